@@ -1,0 +1,175 @@
+"""What every data set is to the rest: a Lightning data module over a window cache."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import lightning.pytorch as pl
+import numpy as np
+import torch
+from torch import Tensor
+from torch.utils.data import DataLoader, Dataset
+
+from sag.data.cache import DEPTH_UNIT, PERSON, WindowCache
+from sag.errors import SagError
+from sag.skeleton import Skeleton, skeleton_named
+from sag.types import Batch, DepthMap, Motion, Scene
+
+
+@dataclass(frozen=True)
+class TrainingMotion:
+    """All true motion of the training split, from which normalisation is computed.
+
+    Attributes:
+        motion: 65 frames, metres, camera frame of frame 0.
+        fps: frames a second.
+    """
+
+    motion: Motion
+    fps: float
+
+
+class Windows(Dataset[Batch]):
+    """The windows of one split; whole batches are read at once from the memory-mapped arrays."""
+
+    def __init__(self, cache: WindowCache, split: str, skeleton: Skeleton, with_cloud: bool = False) -> None:
+        self.cache = cache
+        self.rows = cache.rows(split)
+        self.skeleton = skeleton
+        self.with_cloud = with_cloud
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, index: int) -> Batch:
+        return self.__getitems__([index])
+
+    def __getitems__(self, indices: list[int]) -> Batch:
+        rows = self.rows[np.asarray(indices)]
+        cache = self.cache
+        scene = Scene(
+            image=_tensor(cache.image, rows).permute(0, 3, 1, 2).float() / 255,
+            depth=_tensor(cache.depth, rows, np.float32) * DEPTH_UNIT,
+            person=_tensor(cache.ids, rows) == PERSON,
+            intrinsics=_tensor(cache.intrinsics, rows),
+        )
+        motion = Motion.from_joints(_tensor(cache.joints, rows), self.skeleton.root_index)
+        sequence = _tensor(cache.sequence, rows, np.int64)
+        return Batch(motion, scene, torch.as_tensor(rows), sequence, self._cloud(rows))
+
+    def _cloud(self, rows: np.ndarray) -> DepthMap | None:
+        if not self.with_cloud:
+            return None
+        places = self.cache.cloud_row[rows]
+        if (places < 0).any():
+            raise SagError(f"{self.cache.folder} has test windows without a depth cloud; delete it to have it rebuilt")
+        depth = _tensor(self.cache.cloud_depth, places, np.float32) * DEPTH_UNIT
+        return DepthMap(depth, _tensor(self.cache.cloud_intrinsics, places))
+
+
+def _tensor(array: np.ndarray, rows: np.ndarray, dtype: type | None = None) -> Tensor:
+    """Rows of a memory-mapped array as a tensor of their own."""
+    picked = array[rows]
+    return torch.from_numpy(np.ascontiguousarray(picked if dtype is None else picked.astype(dtype)))
+
+
+class MotionDataModule(pl.LightningDataModule, ABC):
+    """A data set of windows: 65 frames of motion with the picture, depth and camera of their first.
+
+    Args:
+        cache_dir: folder that holds the window caches.
+        skeleton: name of the skeleton, see `sag.skeleton.SKELETONS`.
+        image_size: rows and columns of the picture; the paper's is 288 x 512.
+        batch_size: windows of a training step.
+        eval_batch_size: windows of a validation or test step.
+    """
+
+    name: str
+    """What reports call the data set."""
+
+    def __init__(
+        self,
+        cache_dir: Path = Path("data"),
+        skeleton: str = "gta_im_19",
+        image_size: tuple[int, int] = (288, 512),
+        batch_size: int = 16,
+        eval_batch_size: int = 64,
+    ) -> None:
+        super().__init__()
+        self.cache_dir = Path(cache_dir)
+        self.skeleton = skeleton_named(skeleton)
+        self.image_size = (int(image_size[0]), int(image_size[1]))
+        self.batch_size = batch_size
+        self.eval_batch_size = eval_batch_size
+
+    @abstractmethod
+    def build(self) -> WindowCache:
+        """Opens the cache, building it first when it is missing.
+
+        Raises:
+            SagError: the data set is not where the config says.
+        """
+
+    @cached_property
+    def cache(self) -> WindowCache:
+        """The cache behind this data set."""
+        return self.build()
+
+    def prepare_data(self) -> None:
+        """Builds the cache when it is missing."""
+        self.build()
+
+    def setup(self, stage: str | None = None) -> None:
+        """Opens the cache and refuses a split without windows."""
+        for split in ("train", "test"):
+            if not len(self.cache.rows(split)):
+                raise SagError(
+                    f"{self.name} at {self.cache.folder} has no {split} windows: {self.cache.index['dropped']}"
+                )
+
+    @property
+    def fps(self) -> float:
+        """Frames a second."""
+        return float(self.cache.index["fps"])
+
+    @property
+    def training_motion(self) -> TrainingMotion:
+        """True motion of the training split."""
+        joints = torch.from_numpy(np.asarray(self.cache.joints[self.cache.rows("train")]))
+        return TrainingMotion(Motion.from_joints(joints, self.skeleton.root_index), self.fps)
+
+    def describe(self) -> dict[str, Any]:
+        """What a report must know of the data: name, fingerprint, fps, windows of each split."""
+        counts = {split: len(self.cache.rows(split)) for split in ("train", "val", "test")}
+        return {"name": self.name, "fingerprint": self.cache.fingerprint, "fps": self.fps, "windows": counts}
+
+    def train_dataloader(self) -> DataLoader[Batch]:
+        """Training windows in random order; an incomplete last batch is left out if there is another."""
+        windows = Windows(self.cache, "train", self.skeleton)
+        size = min(self.batch_size, len(windows))
+        return DataLoader(windows, size, shuffle=True, drop_last=True, collate_fn=_whole)
+
+    def val_dataloader(self) -> DataLoader[Batch]:
+        """Held-out windows of the training rooms."""
+        return self._fixed("val", with_cloud=False)
+
+    def test_dataloader(self) -> DataLoader[Batch]:
+        """Test windows with their depth clouds, in order."""
+        return self._fixed("test", with_cloud=True)
+
+    def predict_dataloader(self) -> DataLoader[Batch]:
+        """The test windows."""
+        return self.test_dataloader()
+
+    def _fixed(self, split: str, with_cloud: bool) -> DataLoader[Batch]:
+        windows = Windows(self.cache, split, self.skeleton, with_cloud)
+        return DataLoader(windows, self.eval_batch_size, collate_fn=_whole)
+
+
+def _whole(batch: Batch) -> Batch:
+    """Batches come whole from `Windows.__getitems__`."""
+    return batch

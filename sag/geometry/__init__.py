@@ -1,0 +1,1 @@
+"""Cameras, capsules and kinematics: pure functions."""

@@ -1,0 +1,1 @@
+"""Systems that train, or that only sample, under one protocol."""

@@ -1,0 +1,1 @@
+"""Metrics of human motion in scenes: functions and torchmetrics classes."""

@@ -1,0 +1,1 @@
+"""Lays finished rows side by side."""
