@@ -25,7 +25,7 @@ class Skeleton:
     Attributes:
         name: what configs call it.
         joints: names in the order of the arrays; left and right are the person's own.
-        bones: (parent, child) pairs that lead away from the root.
+        bones: (parent, child) pairs, each after the one that leads to its parent.
         root: the joint that the trajectory follows.
         parts: groups of joints, the second level.
         limbs: groups of parts, the third level.
@@ -91,7 +91,7 @@ class Level:
         nodes: names.
         members: (joints, nodes) 1 where a joint belongs to a node.
         adjacency: (nodes, nodes) 1 where nodes touch, without the diagonal.
-        distance: (nodes,) hops to the node that holds the root.
+        distance: (nodes,) bones between the root and the nearest joint of a node.
     """
 
     nodes: tuple[str, ...]
@@ -102,27 +102,20 @@ class Level:
     @classmethod
     def of_tree(cls, skeleton: Skeleton) -> Level:
         """The finest level: a node for each joint."""
-        adjacency = np.zeros((len(skeleton.joints),) * 2)
-        for a, b in skeleton.bone_index:
-            adjacency[a, b] = adjacency[b, a] = 1
-        return cls._with_distance(skeleton.joints, np.eye(len(adjacency)), adjacency, skeleton.root_index)
+        count = len(skeleton.joints)
+        adjacency = np.zeros((count, count))
+        distance = np.zeros(count)
+        for parent, child in skeleton.bone_index:
+            adjacency[parent, child] = adjacency[child, parent] = 1
+            distance[child] = distance[parent] + 1
+        return cls(skeleton.joints, np.eye(count), adjacency, distance)
 
     def grouped(self, groups: Groups) -> Level:
         """The next coarser level: a node for each named group of this level's nodes."""
         inside = np.array([[float(n in group) for group in groups.values()] for n in self.nodes])
         touching = (inside.T @ self.adjacency @ inside > 0) & ~np.eye(len(groups), dtype=bool)
-        root = int(inside[int(self.distance.argmin())].argmax())
-        return self._with_distance(tuple(groups), self.members @ inside, touching.astype(float), root)
-
-    @classmethod
-    def _with_distance(cls, nodes: tuple[str, ...], members: np.ndarray, adjacency: np.ndarray, root: int) -> Level:
-        distance = np.full(len(nodes), np.inf)
-        front, hops = {root}, 0
-        while front:
-            distance[list(front)] = hops
-            front = {int(b) for a in front for b in np.flatnonzero(adjacency[a]) if distance[b] == np.inf}
-            hops += 1
-        return cls(nodes, members, adjacency, distance)
+        distance = np.array([self.distance[inside[:, g] > 0].min() for g in range(len(groups))])
+        return Level(tuple(groups), self.members @ inside, touching.astype(float), distance)
 
     def shared(self, other: Level) -> Float[np.ndarray, "nodes others"]:
         """1 where a node of this level and one of another have a joint in common."""

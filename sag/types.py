@@ -87,6 +87,11 @@ class Motion(Tensors):
         """X: all joints, metres, camera frame of frame 0."""
         return self.roots[:, :, None] + self.pose
 
+    @property
+    def first(self) -> Motion:
+        """Frame 0 alone: what a generator may see."""
+        return Motion(self.start, self.trajectory[:, :1], self.pose[:, :1])
+
     def continued(self, trajectory: Float[Tensor, "b n 3"], pose: Float[Tensor, "b n j 3"]) -> Motion:
         """The first frame of this motion followed by the frames given (the paper's 64 become 65)."""
         return Motion(
@@ -124,6 +129,20 @@ class Scene(Tensors):
     depth: Float[Tensor, "b h w"]
     person: Bool[Tensor, "b h w"]
     intrinsics: Float[Tensor, "b 3 3"]
+
+
+@dataclass
+class Condition(Tensors):
+    """What generators and critics are told of S.
+
+    Attributes:
+        feature: f, from the scene encoder.
+        initial_pose: normalised joints of frame 0 relative to the root, with the root's own absolute
+            place (camera frame) in its otherwise empty slot: 3 numbers a joint, 57 for 19 joints.
+    """
+
+    feature: Float[Tensor, "b f"]
+    initial_pose: Float[Tensor, "b p"]
 
 
 @dataclass

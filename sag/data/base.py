@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,19 +17,6 @@ from sag.data.cache import DEPTH_UNIT, PERSON, WindowCache
 from sag.errors import SagError
 from sag.skeleton import Skeleton, skeleton_named
 from sag.types import Batch, DepthMap, Motion, Scene
-
-
-@dataclass(frozen=True)
-class TrainingMotion:
-    """All true motion of the training split, from which normalisation is computed.
-
-    Attributes:
-        motion: 65 frames, metres, camera frame of frame 0.
-        fps: frames a second.
-    """
-
-    motion: Motion
-    fps: float
 
 
 class Windows(Dataset[Batch]):
@@ -132,26 +118,37 @@ class MotionDataModule(pl.LightningDataModule, ABC):
                 )
 
     @property
+    def encoder_path(self) -> Path:
+        """Where Motion FID's encoders trained on exactly these windows lie."""
+        return self.cache_dir / "encoders" / f"erd-{self.name}-{self.cache.fingerprint}.pt"
+
+    @property
     def fps(self) -> float:
         """Frames a second."""
         return float(self.cache.index["fps"])
 
     @property
-    def training_motion(self) -> TrainingMotion:
-        """True motion of the training split."""
+    def training_motion(self) -> Motion:
+        """All true motion of the training split, from which normalisation is computed."""
         joints = torch.from_numpy(np.asarray(self.cache.joints[self.cache.rows("train")]))
-        return TrainingMotion(Motion.from_joints(joints, self.skeleton.root_index), self.fps)
+        return Motion.from_joints(joints, self.skeleton.root_index)
 
     def describe(self) -> dict[str, Any]:
         """What a report must know of the data: name, fingerprint, fps, windows of each split."""
         counts = {split: len(self.cache.rows(split)) for split in ("train", "val", "test")}
-        return {"name": self.name, "fingerprint": self.cache.fingerprint, "fps": self.fps, "windows": counts}
+        return {
+            "name": self.name,
+            "fingerprint": self.cache.fingerprint,
+            "fps": self.fps,
+            "windows": counts,
+            "notes": list(self.cache.index.get("notes", [])),
+        }
 
     def train_dataloader(self) -> DataLoader[Batch]:
         """Training windows in random order; an incomplete last batch is left out if there is another."""
         windows = Windows(self.cache, "train", self.skeleton)
         size = min(self.batch_size, len(windows))
-        return DataLoader(windows, size, shuffle=True, drop_last=True, collate_fn=_whole)
+        return DataLoader(windows, batch_size=size, shuffle=True, drop_last=True, collate_fn=_whole)
 
     def val_dataloader(self) -> DataLoader[Batch]:
         """Held-out windows of the training rooms."""
@@ -167,7 +164,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     def _fixed(self, split: str, with_cloud: bool) -> DataLoader[Batch]:
         windows = Windows(self.cache, split, self.skeleton, with_cloud)
-        return DataLoader(windows, self.eval_batch_size, collate_fn=_whole)
+        return DataLoader(windows, batch_size=self.eval_batch_size, collate_fn=_whole)
 
 
 def _whole(batch: Batch) -> Batch:

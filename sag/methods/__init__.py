@@ -1,1 +1,5 @@
 """Systems that train, or that only sample, under one protocol."""
+
+from sag.methods.ground_truth import GroundTruth
+from sag.methods.sag import SAG
+

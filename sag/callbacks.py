@@ -1,0 +1,141 @@
+"""What a run leaves in its folder besides checkpoints: metrics.json, progress.json, predictions.npz."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import platform
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import lightning.pytorch as pl
+import numpy as np
+import torch
+
+import sag
+from sag.components import parameter_count
+from sag.methods.base import Method
+
+PROGRESS_EVERY = 1.0
+"""Seconds between two writings of progress.json."""
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Writes a JSON file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    partial.write_text(json.dumps(content, indent=1, sort_keys=True, default=str) + "\n")
+    partial.replace(path)
+
+
+class MetricsFile(pl.Callback):
+    """Writes `metrics.json`: the figures of a test with all that is needed to compare them."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self.started = time.monotonic()
+
+    def on_fit_start(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Starts the clock."""
+        self.started = time.monotonic()
+
+    def on_fit_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Notes how long training took."""
+        self.seconds["fit"] = round(time.monotonic() - self.started, 1)
+
+    def on_test_start(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Starts the clock."""
+        self.started = time.monotonic()
+
+    def on_test_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Writes the file, unless the run was only a trial of its wiring."""
+        if not isinstance(pl_module, Method) or trainer.fast_dev_run or not trainer.is_global_zero:  # type: ignore
+            return
+        self.seconds["test"] = round(time.monotonic() - self.started, 1)
+        folder = Path(trainer.default_root_dir)
+        write_json(folder / "metrics.json", self._content(trainer, pl_module, folder.name))
+
+    def _content(self, trainer: pl.Trainer, method: Method, row: str) -> dict[str, Any]:
+        figures = {k.removeprefix("test/"): float(v) for k, v in trainer.callback_metrics.items() if "test/" in k}
+        components = getattr(method, "components", None)
+        return {
+            "row": row,
+            "method": type(method).__name__,
+            "components": dataclasses.asdict(components) if components else None,
+            "seed": int(os.environ.get("PL_GLOBAL_SEED", -1)),
+            "data": method.data.describe(),
+            "protocol": method.protocol(),
+            "metrics": figures,
+            "steps": int(getattr(method, "generator_steps", 0)),
+            "seconds": self.seconds,
+            "parameters": parameter_count(method),
+            "versions": {"sag": sag.__version__, "torch": torch.__version__, "python": platform.python_version()},
+            "commit": _commit(),
+        }
+
+
+def _commit() -> str | None:
+    """The commit of the working tree this package runs from, if it runs from one."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return None
+
+
+class ProgressFile(pl.Callback):
+    """Writes `progress.json`, from which a sweep shows how far a row is."""
+
+    def __init__(self) -> None:
+        self.written = 0.0
+
+    def on_train_batch_end(self, trainer: pl.Trainer, *args: Any, **kwargs: Any) -> None:
+        """Steps of training done, of all."""
+        epochs = trainer.max_epochs or 1
+        steps = int(trainer.num_training_batches)
+        self._write(trainer, "fit", trainer.fit_loop.epoch_loop.total_batch_idx + 1, steps * epochs)
+
+    def on_test_batch_end(
+        self, trainer: pl.Trainer, pl_module: pl.LightningModule, outputs: Any, batch: Any, batch_idx: int, *args: Any
+    ) -> None:
+        """Batches of the test done, of all."""
+        self._write(trainer, "test", batch_idx + 1, int(sum(trainer.num_test_batches)))
+
+    def _write(self, trainer: pl.Trainer, stage: str, step: int, steps: int) -> None:
+        due = step == steps or time.monotonic() - self.written > PROGRESS_EVERY
+        if due and trainer.is_global_zero and not trainer.fast_dev_run:  # type: ignore[attr-defined]
+            self.written = time.monotonic()
+            path = Path(trainer.default_root_dir) / "progress.json"
+            write_json(path, {"stage": stage, "step": step, "steps": steps})
+
+
+class PredictionFile(pl.Callback):
+    """Writes what `predict` sampled to `predictions.npz` and says where it is.
+
+    Arrays: `joints` (n, k, 65, j, 3) metres in the camera frame of frame 0, `index` (n,) place in the data
+    set, `fps`, `skeleton`.
+    """
+
+    def __init__(self) -> None:
+        self.parts: list[dict[str, torch.Tensor]] = []
+
+    def on_predict_batch_end(
+        self, trainer: pl.Trainer, pl_module: pl.LightningModule, outputs: Any, *args: Any, **kwargs: Any
+    ) -> None:
+        """Keeps the batch."""
+        self.parts.append({name: value.cpu() for name, value in outputs.items()})
+
+    def on_predict_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Writes the file."""
+        if not isinstance(pl_module, Method) or not trainer.is_global_zero or not self.parts:
+            return
+        arrays = {name: torch.cat([p[name] for p in self.parts]).numpy() for name in self.parts[0]}
+        path = Path(trainer.default_root_dir) / "predictions.npz"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial = path.with_name(f".predictions.{os.getpid()}.npz")
+        np.savez_compressed(partial, fps=pl_module.data.fps, skeleton=pl_module.skeleton.name, **arrays)
+        partial.replace(path)
+        print(f"motions {arrays['joints'].shape} are in {path}", flush=True)

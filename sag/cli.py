@@ -1,0 +1,75 @@
+"""The command line: `sag fit | run | validate | test | predict`, and the tools around a run."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from sag.errors import SagError
+
+TOOLS = {
+    "data": "builds, checks and shows data sets",
+    "sweep": "runs every row of a sweep file",
+    "report": "lays finished rows side by side",
+}
+"""Subcommands that do not train, with what they do."""
+
+TRAINING = ("fit", "run", "validate", "test", "predict")
+"""Subcommands of the Lightning command line; `run` is fit, then test."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs one command; errors a user can mend are one sentence and status 2."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    try:
+        return _dispatch(arguments)
+    except SagError as error:
+        print(f"sag: {error}", file=sys.stderr)
+        return 2
+
+
+def _dispatch(arguments: list[str]) -> int:
+    name = arguments[0] if arguments else "--help"
+    if name in TRAINING:
+        from sag.training import train
+
+        return train(arguments)
+    if name in TOOLS:
+        return _tool(name)(arguments[1:])
+    if name in ("-h", "--help", "--version"):
+        print(_help() if name != "--version" else _version())
+        return 0
+    close = difflib.get_close_matches(name, [*TRAINING, *TOOLS], 1)
+    raise SagError(f"there is no command {name!r}" + (f"; did you mean {close[0]!r}?" if close else "; see sag --help"))
+
+
+def _tool(name: str) -> Callable[[list[str]], int]:
+    if name == "data":
+        from sag.data.command import main as tool
+    elif name == "sweep":
+        from sag.sweep import main as tool
+    else:
+        from sag.report import main as tool
+    return tool
+
+
+def _version() -> str:
+    from sag import __version__
+
+    return f"sag {__version__}"
+
+
+def _help() -> str:
+    lines = ["usage: sag COMMAND [options]; every command has --help", ""]
+    about = {
+        "fit": "trains",
+        "run": "trains, then tests: what a row of a sweep is",
+        "validate": "scores the held-out windows of the training rooms",
+        "test": "scores a checkpoint on the test windows",
+        "predict": "samples motions for the test windows into predictions.npz",
+        **TOOLS,
+    }
+    return "\n".join(lines + [f"  {name:10} {what}" for name, what in about.items()])

@@ -1,0 +1,151 @@
+"""The four letters of the ablation, and the only place that asks which of them are on.
+
+Adding a fifth: a critic (or loss) of its own, a field here that is false by default, one `if` below, and
+a row file in `configs/ablations/`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from torch import nn
+
+from sag.losses import berhu
+from sag.models.critic_networks import (
+    BLOCKS,
+    CONTEXT_BLOCKS,
+    ContextCriticNetwork,
+    GraphCriticNetwork,
+    TrajectoryCriticNetwork,
+)
+from sag.models.critics import (
+    ContextCritic,
+    Critic,
+    MotionCritic,
+    PoseCritic,
+    ProjectionCritic,
+    TrajectoryCritic,
+)
+from sag.models.generators import GeneratorSizes, JointGenerator, MotionGenerator, SeparateGenerator
+from sag.models.graph import Norm
+from sag.models.noise import Kernel
+from sag.models.scale import MotionScale, Units
+from sag.models.scene_depth import ContextDepth, SceneDepth, SupervisedDepth
+from sag.models.scene_encoder import DepthDecoder, SceneEncoder
+from sag.skeleton import Skeleton
+
+CROPS = 9
+"""Crops that the context critic sees: frames 0, 8, ..., 64."""
+
+
+@dataclass(frozen=True)
+class Components:
+    """Which of the paper's components are on (Table 1).
+
+    Attributes:
+        separate: M, trajectory first and pose after it; off is CSGN's one generator for both.
+        depth: D, the scene encoder is supervised by depth.
+        projection: P, the projection critic.
+        context: C, the context critic.
+    """
+
+    separate: bool = True
+    depth: bool = True
+    projection: bool = True
+    context: bool = True
+
+    @property
+    def letters(self) -> str:
+        """The row's name: `none`, `m`, `md`, ..., `mdpc`."""
+        on = (self.separate, self.depth, self.projection, self.context)
+        return "".join(letter for letter, is_on in zip("mdpc", on) if is_on) or "none"
+
+
+@dataclass(frozen=True)
+class Network:
+    """Sizes and choices of the networks; the defaults are the paper's or, where it is silent, ours.
+
+    Attributes:
+        width: factor on all channels.
+        critic_norm: norm in the critics.
+        kernel: of the Gaussian-process noise.
+        units: what the networks reckon in.
+        crop_scale: size of the context critic's crops; 1 is the paper's.
+        context_depth: the depth those crops are cut from when D is on.
+        feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
+        imagenet: local file with torchvision's ImageNet weights of ResNet-18.
+    """
+
+    width: float = 1.0
+    critic_norm: Norm = "batch"
+    kernel: Kernel = "exponential"
+    units: Units = "zscore"
+    crop_scale: float = 1.0
+    context_depth: ContextDepth = "decoded"
+    feature_grid: tuple[int, int] = (1, 1)
+    imagenet: Path | None = None
+
+    def channels(self, *counts: int) -> tuple[int, ...]:
+        """Channels at this width, at least 16 of each."""
+        return tuple(max(min(16, n), round(n * self.width)) for n in counts)
+
+    @property
+    def generator_sizes(self) -> GeneratorSizes:
+        """Channels of the generators."""
+        paper = GeneratorSizes()
+        trajectory, pose, feature = self.channels(paper.trajectory_noise, paper.pose_noise, paper.feature)
+        return GeneratorSizes(trajectory, pose, feature, self.channels(*paper.blocks))
+
+
+def build_encoder(network: Network) -> SceneEncoder:
+    """The scene encoder; the same for all rows."""
+    (width,) = network.channels(64)
+    return SceneEncoder(network.generator_sizes.feature, width, network.imagenet, network.feature_grid)
+
+
+def build_generator(
+    components: Components, network: Network, skeleton: Skeleton, scale: MotionScale
+) -> MotionGenerator:
+    """M decides: two generators in a row, or CSGN's one."""
+    kind = SeparateGenerator if components.separate else JointGenerator
+    return kind(network.generator_sizes, skeleton, scale, network.kernel)
+
+
+def build_depth(components: Components, network: Network, image_size: tuple[int, int]) -> SceneDepth:
+    """D decides: a decoder with its loss, or the data's own depth."""
+    if not components.depth:
+        return SceneDepth()
+    (channels,) = network.channels(256)
+    decoder = DepthDecoder(network.generator_sizes.feature, image_size, channels)
+    return SupervisedDepth(decoder, berhu, network.context_depth)
+
+
+def build_critics(
+    components: Components, network: Network, skeleton: Skeleton, scale: MotionScale
+) -> dict[str, Critic]:
+    """Critics by name: M decides which judge the motion, P and C add one each."""
+    feature = network.generator_sizes.feature
+    blocks, norm = network.channels(*BLOCKS), network.critic_norm
+
+    def graph(channels: int) -> GraphCriticNetwork:
+        return GraphCriticNetwork(channels + feature, skeleton, norm, blocks)
+
+    critics: dict[str, Critic] = {}
+    if components.separate:
+        in_channels = 3 + feature + 3 * len(skeleton.joints)
+        critics["trajectory"] = TrajectoryCritic(TrajectoryCriticNetwork(in_channels, norm, blocks), scale)
+        critics["pose"] = PoseCritic(graph(6), scale)
+    else:
+        critics["motion"] = MotionCritic(graph(3), scale)
+    if components.projection:
+        critics["projection"] = ProjectionCritic(graph(2), scale)
+    if components.context:
+        context = ContextCriticNetwork(CROPS, norm, network.channels(*CONTEXT_BLOCKS))
+        critics["context"] = ContextCritic(context, scale, network.crop_scale)
+    return critics
+
+
+def parameter_count(module: nn.Module) -> int:
+    """Numbers that training changes."""
+    return sum(p.numel() for p in module.parameters() if p.requires_grad)

@@ -1,0 +1,44 @@
+"""Weights & Biases, offline unless asked."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from lightning.pytorch.loggers import WandbLogger
+
+
+class WandbOffline(WandbLogger):
+    """The W&B logger, offline unless `WANDB_MODE` or `offline` says otherwise; no account is needed.
+
+    Args:
+        project: the W&B project.
+        save_dir: folder that gets the `wandb` folder.
+        name: the run; `WANDB_NAME`, then the folder's name when left out.
+        group: runs that belong together; `WANDB_RUN_GROUP` when left out.
+        offline: whether nothing is sent; `WANDB_MODE` decides when left out.
+    """
+
+    def __init__(
+        self,
+        project: str = "sag",
+        save_dir: Path = Path("runs"),
+        name: str | None = None,
+        group: str | None = None,
+        offline: bool | None = None,
+    ) -> None:
+        if offline is None:
+            offline = os.environ.get("WANDB_MODE", "offline") != "online"
+        save_dir.mkdir(parents=True, exist_ok=True)
+        super().__init__(
+            project=project,
+            save_dir=save_dir,
+            name=name or os.environ.get("WANDB_NAME") or save_dir.name,
+            group=group or os.environ.get("WANDB_RUN_GROUP"),
+            offline=offline,
+        )
+
+    @property
+    def log_dir(self) -> str | None:
+        """The run's own folder, so that configs are saved beside its metrics."""
+        return str(self.save_dir)

@@ -1,0 +1,122 @@
+"""Networks of the critics: Tables 8 to 11, each with one linear unit behind it for the score."""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from sag.models.graph import SLOPE, GraphBlock, GraphConv, Norm, normalization
+from sag.skeleton import Skeleton
+
+LEVELS = (0, 1, 1, 2, 2, 3)
+"""Graph levels of a graph critic's tensors, fine to coarse: joints, parts, parts, limbs, limbs, body."""
+
+BLOCKS = (64, 64, 128, 256, 512)
+"""Channels after each block of the trajectory critic and of the graph critics in the paper."""
+
+CONTEXT_BLOCKS = (64, 128, 256, 512)
+"""Channels after each convolution of the context critic in the paper."""
+
+
+class GraphCriticNetwork(nn.Module):
+    """Tables 8 and 11: graph convolutions from joints to body, pooled over what time is left.
+
+    Args:
+        in_channels: of a joint, conditions included: 258 for the projection critic, 262 for the pose critic.
+        skeleton: whose levels the graph climbs up.
+        norm: kind of norm.
+        blocks: channels after each block.
+    """
+
+    def __init__(self, in_channels: int, skeleton: Skeleton, norm: Norm, blocks: tuple[int, ...] = BLOCKS) -> None:
+        super().__init__()
+        levels = [skeleton.levels[i] for i in LEVELS]
+        channels = (in_channels, *blocks)
+        strides, paddings = (1, 2, 2, 2, 2), (1, 0, 1, 1, 1)  # 65 -> 65 -> 32 -> 16 -> 8 -> 4 frames
+        self.blocks = nn.ModuleList(
+            GraphBlock(GraphConv(*channels[i : i + 2], *levels[i : i + 2], strides[i], paddings[i]), norm)
+            for i in range(len(blocks))
+        )
+        self.out = nn.Conv1d(channels[-1], channels[-1], 1)
+        self.score = nn.Linear(channels[-1], 1)
+
+    def forward(self, x: Float[Tensor, "b j c t"]) -> Float[Tensor, " b"]:
+        """Scores, higher for what looks real."""
+        for block in self.blocks:
+            x = block(x)
+        pooled = self.out(F.leaky_relu(x[:, 0], SLOPE)).mean(dim=-1)
+        return self.score(pooled)[:, 0]
+
+
+class TrajectoryCriticNetwork(nn.Module):
+    """Table 10: convolutions over the 64 places of the root.
+
+    Args:
+        in_channels: 316 in the paper.
+        norm: kind of norm.
+        blocks: channels after each block.
+    """
+
+    def __init__(self, in_channels: int, norm: Norm, blocks: tuple[int, ...] = BLOCKS) -> None:
+        super().__init__()
+        channels = (in_channels, *blocks)
+        self.blocks = nn.ModuleList(
+            nn.Sequential(
+                nn.LeakyReLU(SLOPE),
+                nn.Conv1d(channels[i], channels[i + 1], 3, stride=1 if i == 0 else 2, padding=1),
+                normalization(norm, channels[i + 1]),
+            )
+            for i in range(len(blocks))
+        )
+        self.out = nn.Conv1d(channels[-1], channels[-1], 1)
+        self.score = nn.Linear(channels[-1], 1)
+
+    def forward(self, x: Float[Tensor, "b c t"]) -> Float[Tensor, " b"]:
+        """Scores, higher for what looks real."""
+        for block in self.blocks:
+            x = block(x)
+        return self.score(self.out(F.leaky_relu(x, SLOPE)).mean(dim=-1))[:, 0]
+
+
+class ContextCriticNetwork(nn.Module):
+    """Table 9: convolutions over the cropped relative depth, one channel for each cropped frame.
+
+    Args:
+        crops: frames that are cropped, 9 in the paper.
+        norm: kind of norm.
+        blocks: channels after each convolution.
+    """
+
+    def __init__(self, crops: int, norm: Norm, blocks: tuple[int, ...] = CONTEXT_BLOCKS) -> None:
+        super().__init__()
+        channels = (crops, *blocks)
+        self.blocks = nn.ModuleList(
+            nn.Sequential(
+                nn.LeakyReLU(SLOPE),
+                nn.Conv2d(channels[i], channels[i + 1], 3, stride=2, padding=1),
+                _planar(norm, channels[i + 1]),
+            )
+            for i in range(len(blocks) - 1)
+        )
+        self.out = nn.Conv2d(*channels[-2:], 3, padding=1)
+        self.score = nn.Linear(channels[-1], 1)
+
+    def forward(self, x: Float[Tensor, "b n h w"]) -> Float[Tensor, " b"]:
+        """Scores, higher for what looks real."""
+        for block in self.blocks:
+            x = block(x)
+        return self.score(self.out(F.leaky_relu(x, SLOPE)).mean(dim=(-2, -1)))[:, 0]
+
+
+def _planar(norm: Norm, channels: int) -> nn.Module:
+    """The norm of a picture: batch norm has a class of its own for it."""
+    return nn.BatchNorm2d(channels) if norm == "batch" else normalization(norm, channels)
+
+
+def beside(values: Float[Tensor, "b *n c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, "b *n e t"]:
+    """The condition repeated over nodes and frames and set beside the values (row In of the tables)."""
+    middle = (1,) * (values.dim() - 3)
+    repeated = condition.view(len(condition), *middle, -1, 1).expand(*values.shape[:-2], -1, values.shape[-1])
+    return torch.cat([values, repeated], dim=-2)

@@ -1,0 +1,87 @@
+"""The scene encoder and the depth decoder that supervises it (paper, 3.1)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+import torch.nn.functional as F
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from sag.models.resnet import ResNet18
+
+
+class SceneEncoder(nn.Module):
+    """ResNet-18 and one linear layer: a picture becomes the scene feature f, 256 numbers in the paper.
+
+    Args:
+        feature_channels: length of f.
+        width: channels of the first stage; 64 is ResNet-18.
+        imagenet: local file of torchvision's ImageNet weights; a random start otherwise.
+        grid: cells (rows, columns) into which the last map is pooled before the linear layer; (1, 1) is
+            ResNet's global average, finer ones keep where things are.
+    """
+
+    mean: Tensor
+    std: Tensor
+
+    def __init__(
+        self, feature_channels: int, width: int = 64, imagenet: Path | None = None, grid: tuple[int, int] = (1, 1)
+    ) -> None:
+        super().__init__()
+        self.resnet = ResNet18(width)
+        if imagenet is not None:
+            self.resnet.load_imagenet(imagenet)
+        self.grid = grid
+        self.fc = nn.Linear(self.resnet.out_channels * grid[0] * grid[1], feature_channels)
+        self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406]).view(3, 1, 1), persistent=False)
+        self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
+
+    def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
+        """f of pictures with colours in [0, 1]."""
+        pixels = ((image - self.mean) / self.std).contiguous(memory_format=torch.channels_last)
+        return self.fc(F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1))
+
+
+class DepthDecoder(nn.Module):
+    """Depth from f alone, as the text says: a small map, doubled up to half the picture's size.
+
+    Args:
+        feature_channels: length of f.
+        image_size: rows and columns of the depth map to make.
+        channels: channels of the small map; halved at every doubling.
+    """
+
+    def __init__(self, feature_channels: int, image_size: tuple[int, int], channels: int = 256) -> None:
+        super().__init__()
+        self.image_size = image_size
+        self.sizes = _doublings((image_size[0] // 2, image_size[1] // 2))
+        self.channels = channels
+        rows, columns = self.sizes[0]
+        self.fc = nn.Linear(feature_channels, channels * rows * columns)
+        blocks = []
+        for _ in self.sizes[1:]:
+            narrower = max(channels // 2, 8)
+            conv = nn.Conv2d(channels, narrower, 3, 1, 1, bias=False)
+            blocks.append(nn.Sequential(conv, nn.BatchNorm2d(narrower), nn.ReLU()))
+            channels = narrower
+        self.blocks = nn.ModuleList(blocks)
+        self.out = nn.Conv2d(channels, 1, 3, 1, 1)
+
+    def forward(self, feature: Float[Tensor, "b f"]) -> Float[Tensor, "b h w"]:
+        """Depth in metres, positive."""
+        x = F.relu(self.fc(feature)).view(-1, self.channels, *self.sizes[0])
+        for block, size in zip(self.blocks, self.sizes[1:]):
+            x = block(F.interpolate(x, size, mode="nearest"))
+        metres = 4 * F.softplus(self.out(x))  # about 3 m at the start, so that crops see a room at once
+        return F.interpolate(metres, self.image_size, mode="bilinear", align_corners=False)[:, 0]
+
+
+def _doublings(size: tuple[int, int], smallest: int = 9) -> list[tuple[int, int]]:
+    """Sizes from a small map up to `size`, each about twice the one before."""
+    sizes = [size]
+    while sizes[0][0] > smallest:
+        rows, columns = sizes[0]
+        sizes.insert(0, (-(-rows // 2), -(-columns // 2)))
+    return sizes

@@ -1,0 +1,96 @@
+"""`sag fit | run | validate | test | predict`: Lightning's command line over the configs."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from pathlib import Path
+from typing import Any
+
+import torch
+from jsonargparse import ArgumentError, set_parsing_settings
+from lightning.pytorch.callbacks import ModelCheckpoint
+from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
+
+from sag.callbacks import MetricsFile, PredictionFile, ProgressFile
+from sag.components import Components
+from sag.data.base import MotionDataModule
+from sag.errors import SagError
+from sag.trainer import Trainer
+
+LINKS = ("skeleton", "image_size")
+"""What every method takes from the data, where it takes it at all."""
+
+
+class SaveConfig(SaveConfigCallback):
+    """Saves the config under its command's name, so that a test does not overwrite what was trained."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.overwrite = True
+
+    def setup(self, trainer: Any, pl_module: Any, stage: str) -> None:
+        """Names the file after the stage that runs first."""
+        self.config_filename = f"config.{stage}.yaml"
+        super().setup(trainer, pl_module, stage)
+
+
+class TrainingCLI(LightningCLI):
+    """Lightning's command line with the four letters as options of their own."""
+
+    def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
+        """Adds `--components` and `--encoder_width`, and what methods take from the data."""
+        parser.add_argument("--components", type=Components | None, default=None, help="which of M, D, P, C are on")
+        parser.add_argument("--encoder_width", type=float, default=1.0, help="width of Motion FID's encoders")
+        parser.link_arguments("components", "model.init_args.components")
+        parser.link_arguments("encoder_width", "model.init_args.width")
+        for name in LINKS:
+            parser.link_arguments(f"data.init_args.{name}", f"model.init_args.{name}")
+
+    @staticmethod
+    def subcommands() -> dict[str, set[str]]:
+        """Lightning's, without tune, and `run`."""
+        skipped = {"model", "dataloaders", "datamodule"}
+        fit = {"model", "train_dataloaders", "val_dataloaders", "datamodule"}
+        return {"fit": fit, "run": skipped, "validate": skipped, "test": skipped, "predict": skipped}
+
+    def _parse_ckpt_path(self) -> None:
+        """Leaves the config alone: by default a checkpoint's own hyper-parameters would overrule it."""
+
+    def before_instantiate_classes(self) -> None:
+        """Refuses components on a method that has none."""
+        config = self.config[self.subcommand]
+        kind = config.model.class_path
+        if config.components is not None and "components" not in config.model.init_args:
+            raise SagError(f"--components is set, but {kind} has no components; leave the row's config out")
+        if self.subcommand in ("fit", "run"):
+            torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
+
+
+def train(arguments: list[str]) -> int:
+    """Parses and runs; every mistake in options or configs becomes one sentence."""
+    set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
+    try:
+        TrainingCLI(
+            datamodule_class=MotionDataModule,
+            subclass_mode_data=True,
+            subclass_mode_model=True,
+            trainer_class=Trainer,
+            trainer_defaults={"callbacks": [_checkpoint(), ProgressFile(), MetricsFile(), PredictionFile()]},
+            save_config_callback=SaveConfig,
+            parser_kwargs={"parser_mode": "omegaconf+", "exit_on_error": False},
+            args=arguments,
+        )
+    except ArgumentError as error:
+        raise SagError(one_sentence(str(error))) from error
+    return 0
+
+
+def _checkpoint() -> ModelCheckpoint:
+    return ModelCheckpoint(filename="last", every_n_epochs=1, save_top_k=1, enable_version_counter=False)
+
+
+def one_sentence(message: str) -> str:
+    """The heart of a parser's message, with the nearest name where one was mistyped."""
+    text = re.sub(r"\s+", " ", message).strip()
+    return text
