@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import difflib
-import re
 import sys
 from collections.abc import Callable
-from typing import Any
 
 from sag.errors import SagError
 

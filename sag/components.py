@@ -6,11 +6,12 @@ a row file in `configs/ablations/`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from torch import nn
 
+from sag.letters import row_name
 from sag.losses import berhu
 from sag.models.critic_networks import (
     BLOCKS,
@@ -58,8 +59,7 @@ class Components:
     @property
     def letters(self) -> str:
         """The row's name: `none`, `m`, `md`, ..., `mdpc`."""
-        on = (self.separate, self.depth, self.projection, self.context)
-        return "".join(letter for letter, is_on in zip("mdpc", on) if is_on) or "none"
+        return row_name(asdict(self))
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def build_depth(components: Components, network: Network, image_size: tuple[int,
     """D decides: a decoder with its loss, or the data's own depth."""
     if not components.depth:
         return SceneDepth()
-    (channels,) = network.channels(256)
+    (channels,) = network.channels(128)
     decoder = DepthDecoder(network.generator_sizes.feature, image_size, channels)
     return SupervisedDepth(decoder, berhu, network.context_depth)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import wandb
 from lightning.pytorch.loggers import WandbLogger
 
 
@@ -36,6 +37,7 @@ class WandbOffline(WandbLogger):
             name=name or os.environ.get("WANDB_NAME") or save_dir.name,
             group=group or os.environ.get("WANDB_RUN_GROUP"),
             offline=offline,
+            settings=wandb.Settings(silent=True, x_disable_stats=True),
         )
 
     @property

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import difflib
-import re
-from pathlib import Path
+import logging
+import sys
 from typing import Any
 
 import torch
 from jsonargparse import ArgumentError, set_parsing_settings
-from lightning.pytorch.callbacks import ModelCheckpoint
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 
-from sag.callbacks import MetricsFile, PredictionFile, ProgressFile
+from sag.callbacks import LastCheckpoint, MetricsFile, PredictionFile, ProgressFile
 from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
+from sag.parsing import one_sentence
 from sag.trainer import Trainer
 
 LINKS = ("skeleton", "image_size")
@@ -31,7 +30,7 @@ class SaveConfig(SaveConfigCallback):
 
     def setup(self, trainer: Any, pl_module: Any, stage: str) -> None:
         """Names the file after the stage that runs first."""
-        self.config_filename = f"config.{stage}.yaml"
+        self.config_filename = f"config.{getattr(stage, 'value', stage)}.yaml"
         super().setup(trainer, pl_module, stage)
 
 
@@ -69,6 +68,7 @@ class TrainingCLI(LightningCLI):
 
 def train(arguments: list[str]) -> int:
     """Parses and runs; every mistake in options or configs becomes one sentence."""
+    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)  # tips and greetings
     set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
     try:
         TrainingCLI(
@@ -76,21 +76,12 @@ def train(arguments: list[str]) -> int:
             subclass_mode_data=True,
             subclass_mode_model=True,
             trainer_class=Trainer,
-            trainer_defaults={"callbacks": [_checkpoint(), ProgressFile(), MetricsFile(), PredictionFile()]},
+            trainer_defaults={"callbacks": [LastCheckpoint(), ProgressFile(), MetricsFile(), PredictionFile()]},
+            auto_configure_optimizers=False,
             save_config_callback=SaveConfig,
-            parser_kwargs={"parser_mode": "omegaconf+", "exit_on_error": False},
-            args=arguments,
+            parser_kwargs={"parser_mode": "omegaconf+", "exit_on_error": False, "allow_abbrev": False},
+            args=None if arguments == sys.argv[1:] else arguments,
         )
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
     return 0
-
-
-def _checkpoint() -> ModelCheckpoint:
-    return ModelCheckpoint(filename="last", every_n_epochs=1, save_top_k=1, enable_version_counter=False)
-
-
-def one_sentence(message: str) -> str:
-    """The heart of a parser's message, with the nearest name where one was mistyped."""
-    text = re.sub(r"\s+", " ", message).strip()
-    return text

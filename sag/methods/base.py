@@ -90,8 +90,13 @@ class Method(pl.LightningModule):
             )
 
     def _require_trained(self) -> None:
-        if not self.trained and not self.trainer.fast_dev_run:  # type: ignore[attr-defined]
+        if not self.trained and not self._only_wiring:
             raise SagError(f"this {type(self).__name__} was never trained: name a checkpoint with --ckpt_path")
+
+    @property
+    def _only_wiring(self) -> bool:
+        """Whether the run only tries that everything fits together, so that figures mean nothing."""
+        return bool(self.trainer.fast_dev_run or self.trainer.sanity_checking)  # type: ignore[attr-defined]
 
     def _noise(self) -> Generator:
         return torch.Generator(self.device).manual_seed(self.evaluation.seed)
@@ -119,7 +124,7 @@ class Method(pl.LightningModule):
         path = self.data.encoder_path
         if path.is_file():
             return MotionEncoders.load(path, self.skeleton.name, self.data.cache.fingerprint)
-        if self.trainer.fast_dev_run:  # type: ignore[attr-defined]
+        if self._only_wiring:
             return None
         raise SagError(
             f"Motion FID needs encoders trained on this data, and {path} is not there; train them once with the same "

@@ -131,9 +131,7 @@ class SAG(Method):
         self._step(optimizer, total)
         self.log_dict(logged)
 
-    def _train_generator(
-        self, fake: Motion, condition: Condition, depth: DepthMap, losses: dict[str, Tensor]
-    ) -> None:
+    def _train_generator(self, fake: Motion, condition: Condition, depth: DepthMap, losses: dict[str, Tensor]) -> None:
         optimizer, _ = self.optimizers()  # type: ignore[misc]
         for parameter in self.critics.parameters():  # type: ignore[attr-defined]
             parameter.requires_grad_(False)

@@ -42,9 +42,10 @@ class GraphCriticNetwork(nn.Module):
         self.out = nn.Conv1d(channels[-1], channels[-1], 1)
         self.score = nn.Linear(channels[-1], 1)
 
-    def forward(self, x: Float[Tensor, "b j c t"]) -> Float[Tensor, " b"]:
-        """Scores, higher for what looks real."""
-        for block in self.blocks:
+    def forward(self, x: Float[Tensor, "b j c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
+        """Scores, higher for what looks real; the condition stands beside every joint and frame."""
+        x = self.blocks[0](x, condition)
+        for block in self.blocks[1:]:
             x = block(x)
         pooled = self.out(F.leaky_relu(x[:, 0], SLOPE)).mean(dim=-1)
         return self.score(pooled)[:, 0]
@@ -73,8 +74,9 @@ class TrajectoryCriticNetwork(nn.Module):
         self.out = nn.Conv1d(channels[-1], channels[-1], 1)
         self.score = nn.Linear(channels[-1], 1)
 
-    def forward(self, x: Float[Tensor, "b c t"]) -> Float[Tensor, " b"]:
-        """Scores, higher for what looks real."""
+    def forward(self, x: Float[Tensor, "b c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
+        """Scores, higher for what looks real; the condition stands beside every frame."""
+        x = torch.cat([x, condition[:, :, None].expand(-1, -1, x.shape[-1])], dim=1)
         for block in self.blocks:
             x = block(x)
         return self.score(self.out(F.leaky_relu(x, SLOPE)).mean(dim=-1))[:, 0]
@@ -113,10 +115,3 @@ class ContextCriticNetwork(nn.Module):
 def _planar(norm: Norm, channels: int) -> nn.Module:
     """The norm of a picture: batch norm has a class of its own for it."""
     return nn.BatchNorm2d(channels) if norm == "batch" else normalization(norm, channels)
-
-
-def beside(values: Float[Tensor, "b *n c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, "b *n e t"]:
-    """The condition repeated over nodes and frames and set beside the values (row In of the tables)."""
-    middle = (1,) * (values.dim() - 3)
-    repeated = condition.view(len(condition), *middle, -1, 1).expand(*values.shape[:-2], -1, values.shape[-1])
-    return torch.cat([values, repeated], dim=-2)

@@ -19,7 +19,6 @@ from sag.models.critic_networks import (
     ContextCriticNetwork,
     GraphCriticNetwork,
     TrajectoryCriticNetwork,
-    beside,
 )
 from sag.models.scale import MotionScale
 from sag.types import Condition, DepthMap, Motion
@@ -53,7 +52,7 @@ class Critic(nn.Module, ABC):
 
     def forward(self, view: Tensor, condition: Condition) -> Float[Tensor, " b"]:
         """Scores of views, given the scene feature unless a critic says otherwise."""
-        return self.network(beside(view, condition.feature))
+        return self.network(view, condition.feature)
 
 
 class TrajectoryCritic(Critic):
@@ -67,7 +66,7 @@ class TrajectoryCritic(Critic):
 
     def forward(self, view: Float[Tensor, "b 3 64"], condition: Condition) -> Float[Tensor, " b"]:
         """Scores given f and the initial pose."""
-        return self.network(beside(view, torch.cat([condition.feature, condition.initial_pose], dim=1)))
+        return self.network(view, torch.cat([condition.feature, condition.initial_pose], dim=1))
 
 
 class PoseCritic(Critic):

@@ -23,6 +23,8 @@ FRAMES = (16, 32, 64)
 
 _FORMAT = "sag motion encoders 1"
 _NARROWEST = 32
+_CONFIG = "configs/methods/erd.yaml"
+_AGAIN = f"delete it and train the encoders again with sag fit --config {_CONFIG}"
 
 
 class ERD(nn.Module):
@@ -95,6 +97,11 @@ class MotionEncoders(nn.Module):
         assert isinstance(network, ERD)
         return network
 
+    def set_statistics(self, clips: Float[Tensor, "n t j 3"]) -> None:
+        """Takes mean and deviation of clips (metres, relative to their first root) for all three."""
+        for frames in self.frames:
+            self.of(frames).set_statistics(clips)
+
     def features(
         self, clips: Float[Tensor, "n t j 3"], lengths: Sequence[int]
     ) -> dict[tuple[int, int], Float[Tensor, "n d"]]:
@@ -117,16 +124,15 @@ class MotionEncoders(nn.Module):
             path: the file.
             fingerprint: of the data they were trained on.
         """
-        weights = {name: tensor.detach().cpu() for name, tensor in self.state_dict().items()}
-        content = {
+        content: dict[str, Any] = {
             "format": _FORMAT,
             "skeleton": self.skeleton,
             "joints": self.joints,
             "width": self.width,
             "fingerprint": fingerprint,
-            "sha256": _digest(weights),
-            "weights": weights,
+            "weights": {name: tensor.detach().cpu() for name, tensor in self.state_dict().items()},
         }
+        content["sha256"] = _digest(content)
         path.parent.mkdir(parents=True, exist_ok=True)
         partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
         try:
@@ -161,26 +167,25 @@ class MotionEncoders(nn.Module):
         return encoders.eval().requires_grad_(False)
 
 
-_AGAIN = "train them again with sag fit --config configs/methods/erd.yaml"
-
-
 def _read(path: Path) -> dict[str, Any]:
     if not path.is_file():
-        raise SagError(f"the motion encoders {path} are missing; {_AGAIN.replace('again ', '')}")
+        raise SagError(f"the motion encoders {path} are missing; train them with sag fit --config {_CONFIG}")
+    damaged = SagError(f"{path} is damaged or holds no motion encoders; {_AGAIN}")
     try:
         content = torch.load(path, map_location="cpu", weights_only=True)
-        whole = content["format"] == _FORMAT and content["sha256"] == _digest(content["weights"])
+        whole = content["format"] == _FORMAT and content["sha256"] == _digest(content)
     except Exception as error:  # a damaged archive raises whatever the damaged byte makes it raise
-        raise SagError(f"{path} is damaged or holds no motion encoders; {_AGAIN}") from error
+        raise damaged from error
     if not whole:
-        raise SagError(f"{path} is damaged or holds no motion encoders; {_AGAIN}")
+        raise damaged
     return content
 
 
-def _digest(weights: Mapping[str, Tensor]) -> str:
-    """Checksum of names, shapes and bytes, since an archive does not notice a flipped bit."""
-    digest = hashlib.sha256()
-    for name, tensor in weights.items():
+def _digest(content: Mapping[str, Any]) -> str:
+    """Checksum of every field and of the weights' bytes, since an archive does not notice a flipped bit."""
+    fields = {name: value for name, value in content.items() if name not in ("weights", "sha256")}
+    digest = hashlib.sha256(repr(sorted(fields.items())).encode())
+    for name, tensor in content["weights"].items():
         digest.update(f"{name} {tuple(tensor.shape)}".encode())
         digest.update(tensor.numpy().tobytes())
     return digest.hexdigest()

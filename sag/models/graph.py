@@ -57,7 +57,7 @@ class GraphConv(nn.Module):
         out_channels: channels of a node afterwards.
         source: level of the input.
         target: level of the output.
-        stride: temporal stride.
+        stride: temporal stride; 1 where a condition is given.
         padding: zero frames on both ends; the temporal kernel is 3.
     """
 
@@ -73,28 +73,44 @@ class GraphConv(nn.Module):
         self.bias = nn.Parameter(torch.zeros(out_channels))
         self.stride, self.padding = stride, padding
 
-    def forward(self, x: Float[Tensor, "b v c t"]) -> Float[Tensor, "b w d s"]:
+    def forward(
+        self, x: Float[Tensor, "b v c t"], condition: Float[Tensor, "b e"] | None = None
+    ) -> Float[Tensor, "b w d s"]:
+        """Convolves the nodes' values, set beside a condition that is the same for all nodes and frames.
+
+        The condition's channels come last. Its share of the output differs only where the kernel meets the
+        padding, so three frames of it say all: first, middle and last.
+        """
+        if condition is None:
+            return self._convolve(x, self.weight) + self.bias[:, None]
+        own = self.weight[:, :, : x.shape[2]]
+        constant = condition[:, None, :, None].expand(-1, x.shape[1], -1, 3)
+        first, middle, last = self._convolve(constant, self.weight[:, :, x.shape[2] :]).unbind(-1)
+        y = self._convolve(x, own)
+        shares = [first[..., None], middle[..., None].expand(*middle.shape, y.shape[-1] - 2), last[..., None]]
+        return y + torch.cat(shares, dim=-1) + self.bias[:, None]
+
+    def _convolve(self, x: Tensor, weight: Tensor) -> Tensor:
         """Aggregates over nodes first when the target level is the smaller one: the same sum, cheaper."""
         _, source, target = self.adjacency.shape
-        return self._aggregate_first(x) if target <= source else self._convolve_first(x)
+        return self._aggregate_first(x, weight) if target <= source else self._convolve_first(x, weight)
 
-    def _aggregate_first(self, x: Tensor) -> Tensor:
+    def _aggregate_first(self, x: Tensor, weight: Tensor) -> Tensor:
         kernels, nodes, target = self.adjacency.shape
         b, _, c, t = x.shape
         mixing = self.adjacency.permute(2, 0, 1).reshape(target * kernels, nodes)
         mixed = torch.matmul(mixing, x.reshape(b, nodes, c * t)).view(b * target, kernels * c, t)
-        weight = self.weight.permute(1, 0, 2, 3).reshape(len(self.bias), kernels * c, 3)
-        return F.conv1d(mixed, weight, self.bias, self.stride, self.padding).unflatten(0, (b, target))
+        flat = weight.permute(1, 0, 2, 3).reshape(len(self.bias), kernels * c, 3)
+        return F.conv1d(mixed, flat, None, self.stride, self.padding).unflatten(0, (b, target))
 
-    def _convolve_first(self, x: Tensor) -> Tensor:
+    def _convolve_first(self, x: Tensor, weight: Tensor) -> Tensor:
         kernels, nodes, target = self.adjacency.shape
         b, _, c, _ = x.shape
         channels = len(self.bias)
-        weight = self.weight.reshape(kernels * channels, c, 3)
-        convolved = F.conv1d(x.flatten(0, 1), weight, None, self.stride, self.padding)
+        flat = weight.reshape(kernels * channels, c, 3)
+        convolved = F.conv1d(x.flatten(0, 1), flat, None, self.stride, self.padding)
         mixing = self.adjacency.permute(2, 1, 0).reshape(target, nodes * kernels)
-        mixed = torch.matmul(mixing, convolved.reshape(b, nodes * kernels, -1))
-        return mixed.view(b, target, channels, -1) + self.bias[:, None]
+        return torch.matmul(mixing, convolved.reshape(b, nodes * kernels, -1)).view(b, target, channels, -1)
 
 
 class GraphBlock(nn.Module):
@@ -112,8 +128,11 @@ class GraphBlock(nn.Module):
         self.norm = normalization(norm, len(conv.bias))
         self.up = up
 
-    def forward(self, x: Float[Tensor, "b v c t"]) -> Float[Tensor, "b w d s"]:
+    def forward(
+        self, x: Float[Tensor, "b v c t"], condition: Float[Tensor, "b e"] | None = None
+    ) -> Float[Tensor, "b w d s"]:
         """Convolves after the activation and normalises over all nodes alike."""
-        y = self.conv(F.leaky_relu(x, SLOPE))
+        told = None if condition is None else F.leaky_relu(condition, SLOPE)
+        y = self.conv(F.leaky_relu(x, SLOPE), told)
         y = self.norm(y.flatten(0, 1)).view_as(y)
         return y.repeat_interleave(2, dim=-1) if self.up else y

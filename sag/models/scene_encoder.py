@@ -53,7 +53,7 @@ class DepthDecoder(nn.Module):
         channels: channels of the small map; halved at every doubling.
     """
 
-    def __init__(self, feature_channels: int, image_size: tuple[int, int], channels: int = 256) -> None:
+    def __init__(self, feature_channels: int, image_size: tuple[int, int], channels: int = 128) -> None:
         super().__init__()
         self.image_size = image_size
         self.sizes = _doublings((image_size[0] // 2, image_size[1] // 2))

@@ -1,0 +1,69 @@
+# Everything a new machine needs is Python (3.10 or later), make and git. `make help` explains itself.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+DATA ?= rooms
+ROOT ?=
+PRESET ?= quick
+JOBS ?= 2
+SEEDS ?= 1
+RUNS ?= runs
+EXTRA ?=
+
+data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT))
+folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))
+sweep = $(BIN)/sag sweep sweeps/$(1).yaml --out $(call folder,$(1)) --jobs $(JOBS) --seeds $(SEEDS) \
+	--config configs/presets/$(PRESET).yaml $(data_options) $(EXTRA) ; status=$$? ; \
+	[ $$status -gt 1 ] && exit $$status ; $(BIN)/sag report $(call folder,$(1)) && exit $$status
+
+.PHONY: help
+help: ## Show this help.
+	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
+	@echo
+	@echo "  Options: DATA=rooms|gta_im  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+
+$(VENV)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt torch
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+.PHONY: install
+install: $(VENV)/installed ## Make the virtual environment with the tested versions.
+
+.PHONY: ablation
+ablation: install ## Train and test all 16 combinations of M, D, P, C and lay them beside the paper's Table 1.
+	@$(call sweep,ablation)
+
+.PHONY: table1
+table1: install ## The six rows of the paper's Table 1.
+	@$(call sweep,table1)
+
+.PHONY: preview
+preview: install ## Draw windows of the synthetic rooms with their motion into preview.png.
+	$(BIN)/sag data rooms --preview preview.png
+
+.PHONY: test
+test: install ## Run all tests.
+	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+.PHONY: check
+check: install ## Lint, check types and keep the floors apart.
+	$(BIN)/ruff check sag tests
+	$(BIN)/ruff format --check sag tests
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+.PHONY: format
+format: install ## Sort imports and format.
+	$(BIN)/ruff check --fix sag tests
+	$(BIN)/ruff format sag tests
+
+.PHONY: clean
+clean: ## Remove caches of tools; data, runs and the virtual environment stay.
+	rm -rf .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist
+	find sag tests -name __pycache__ -type d -prune -exec rm -rf {} +

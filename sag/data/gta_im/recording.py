@@ -1,0 +1,155 @@
+"""One recording of GTA-IM as it lies on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+
+from sag.data.gta_im.files import read_arrays, read_clips, read_room
+from sag.data.pictures import read_24_bit, read_colour
+from sag.errors import SagError
+from sag.skeleton import Skeleton
+
+JOINTS = (
+    "head", "neck",
+    "right_clavicle", "right_shoulder", "right_elbow", "right_wrist",
+    "left_clavicle", "left_shoulder", "left_elbow", "left_wrist",
+    "spine0", "spine1", "spine2", "spine3", "root",
+    "right_hip", "right_knee", "right_ankle", "left_hip", "left_knee", "left_ankle",
+)  # fmt: skip
+"""The 21 joints in the order of the files, by the names that `sag.skeleton` gives them."""
+
+CHEST = "spine0"
+"""The top of the spine, which other skeletons call the chest."""
+
+_SUFFIXES = (".jpg", ".png", "_id.png")
+
+
+def joint_places(skeleton: Skeleton) -> list[int]:
+    """Places of a skeleton's joints among the 21 of the files.
+
+    Raises:
+        SagError: GTA-IM lacks one of the joints.
+    """
+    names = [CHEST if joint == "chest" else joint for joint in skeleton.joints]
+    if missing := sorted(set(names) - set(JOINTS)):
+        raise SagError(f"skeleton {skeleton.name} has joints that GTA-IM lacks: {', '.join(missing)}")
+    return [JOINTS.index(name) for name in names]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recording: joints and cameras of all frames, pictures of some.
+
+    Attributes:
+        folder: its files.
+        room: number of the scene.
+        joints: metres, world frame (z up).
+        world2cam: row vectors, `[x, 1] @ world2cam` is in the camera frame (x right, y down, z forward).
+        intrinsics: camera matrix in pixels of the native picture.
+        clips: distances of the near and the far clip plane, metres; not a number where unknown.
+    """
+
+    folder: Path
+    room: int
+    joints: Float[np.ndarray, "t 21 3"]
+    world2cam: Float[np.ndarray, "t 4 4"]
+    intrinsics: Float[np.ndarray, "t 3 3"]
+    clips: Float[np.ndarray, "t 2"]
+
+    @classmethod
+    def read(cls, folder: Path) -> Recording:
+        """Reads everything but the pictures.
+
+        Raises:
+            SagError: a file is missing, damaged or of another layout.
+        """
+        arrays = read_arrays(folder / "info_frames.npz")
+        clips = np.full((len(arrays["intrinsics"]), 2), np.nan)
+        told = read_clips(folder / "info_frames.pickle")[: len(clips)]
+        clips[: len(told)] = told
+        return cls(
+            folder,
+            read_room(folder / "realtimeinfo.gz"),
+            arrays["joints_3d_world"],
+            arrays["world2cam_trans"],
+            arrays["intrinsics"],
+            clips,
+        )
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    @cached_property
+    def pictured(self) -> frozenset[int]:
+        """Frames that have colour, depth and ids."""
+        names = {path.name for path in self.folder.iterdir()}
+        frames = (int(n[:5]) for n in names if n[5:] == ".jpg" and n[:5].isdecimal())
+        return frozenset(f for f in frames if all(self._file(f, s).name in names for s in _SUFFIXES))
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Rows and columns of the native pictures: the cameras look through their centre."""
+        columns, rows = np.rint(2 * self.intrinsics[0, :2, 2]).astype(int).tolist()
+        return rows, columns
+
+    def seen_from(self, frame: int, frames: slice) -> Float[np.ndarray, "t 21 3"]:
+        """Joints of some frames in the camera frame of one frame, metres."""
+        camera = self.world2cam[frame]
+        # In float64: the world's coordinates are in the hundreds of metres.
+        return self.joints[frames] @ camera[:3, :3] + camera[3, :3]
+
+    def picture(self, frame: int) -> Picture:
+        """Colour, depth and ids of a frame.
+
+        Raises:
+            SagError: a picture is damaged or of another size than the camera.
+        """
+        colour = read_colour(self._file(frame, ".jpg"))
+        codes, ids = (read_24_bit(self._file(frame, s)) for s in (".png", "_id.png"))
+        if not colour.shape[:2] == codes.shape == ids.shape == self.size:
+            raise SagError(f"{self._file(frame, '.jpg')}, its depth and its ids are not all of {self.size} pixels")
+        return Picture(colour, planar_depth(codes, *self.clips[frame]), ids, self.intrinsics[frame])
+
+    def _file(self, frame: int, suffix: str) -> Path:
+        return self.folder / f"{frame:05d}{suffix}"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What the camera saw in one frame, at native resolution.
+
+    Attributes:
+        colour: colours.
+        depth: planar z, metres, 0 where it is not known.
+        ids: 24-bit numbers of instances, 0 is the background.
+        intrinsics: camera matrix in pixels of this picture.
+    """
+
+    colour: UInt8[np.ndarray, "h w 3"]
+    depth: Float[np.ndarray, "h w"]
+    ids: Int[np.ndarray, "h w"]
+    intrinsics: Float[np.ndarray, "3 3"]
+
+
+def planar_depth(codes: Int[np.ndarray, "h w"], near: float, far: float) -> Float[np.ndarray, "h w"]:
+    """Planar z (metres) of stored depth; 0 where nothing is stored or it is nearer than the near clip plane.
+
+    Args:
+        codes: 24-bit numbers of the depth picture, an inverse depth.
+        near: near clip plane, metres.
+        far: far clip plane, metres.
+    """
+    inverse = 50.0 / np.maximum(codes, 1)
+    depth = near * far / (near + inverse * (far - near))
+    return np.where((codes > 0) & (inverse <= 1), depth, 0.0)
+
+
+def recordings_in(folder: Path) -> Iterator[Path]:
+    """Folders of recordings, in order of their names."""
+    return (path.parent for path in sorted(folder.glob("*/info_frames.npz")))

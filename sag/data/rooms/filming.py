@@ -1,0 +1,92 @@
+"""A room of a recipe from first draw to last recording; the same recipe gives the same room anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from sag.data.rooms.body import Person, animate
+from sag.data.rooms.cameras import Camera, random_camera
+from sag.data.rooms.figure import Outfit
+from sag.data.rooms.recipe import Recipe
+from sag.data.rooms.render import Solids
+from sag.data.rooms.room import Room, random_room
+from sag.data.rooms.routes import Router
+from sag.data.rooms.surfaces import room_surfaces
+from sag.data.rooms.walks import Stage, Start
+from sag.data.rooms.windows import Recording, Scenery
+
+TESTED, HELD_OUT = 2, 3
+"""Every so many training rooms have a camera for testing, and a recording for validation."""
+
+SHARED = 2
+"""Recordings that begin at the same place: several outcomes from one start."""
+
+
+@dataclass(frozen=True)
+class Shoot:
+    """One room and the recordings to be made in it.
+
+    Attributes:
+        recipe: of the cache.
+        number: of the room.
+        room: with everything in it.
+        scenery: the room made ready to be filmed.
+    """
+
+    recipe: Recipe
+    number: int
+    room: Room
+    scenery: Scenery
+
+    @classmethod
+    def of(cls, recipe: Recipe, number: int) -> Shoot:
+        """The room of this number."""
+        rng = _generator(recipe, number, 0)
+        room = random_room(rng)
+        solids = Solids.of(room_surfaces(room, rng))
+        place = rng.uniform(-0.12, 0.12, 2) * room.size[:2]
+        return cls(recipe, number, room, Scenery(solids, np.array([*place, room.size[2] - 0.3])))
+
+    def recordings(self) -> Iterator[Recording]:
+        """All recordings of the room, camera by camera.
+
+        Training rooms have a camera for testing only every `TESTED`, and one recording for validation every
+        `HELD_OUT` rooms.
+        """
+        router, recipe = Router(self.room), self.recipe
+        rays = self.scenery.solids.rays
+        for view, splits in enumerate(self._takes()):
+            camera = random_camera(self.room, rays, _generator(recipe, self.number, 1, view))
+            stage = Stage(self.room, router, camera, rays)
+            for take, split in enumerate(splits):
+                yield self._recording(stage, camera, (view, take), split)
+
+    def _takes(self) -> list[list[str]]:
+        """Split of each recording of each camera."""
+        recipe = self.recipe
+        test = ["test"] * recipe.recordings
+        if self.number >= recipe.train_rooms:
+            return [test]
+        cameras = [["train"] * recipe.recordings for _ in range(recipe.views)]
+        if self.number % HELD_OUT == 0:
+            cameras[0].append("val")
+        return [*cameras, test] if self.number % TESTED == 0 else cameras
+
+    def _recording(self, stage: Stage, camera: Camera, key: tuple[int, int], split: str) -> Recording:
+        view, take = key
+        number = (self.number * (self.recipe.views + 1) + view) * (self.recipe.recordings + 1) + take
+        start: Start = stage.random_start(_generator(self.recipe, self.number, 2, view, take // SHARED))
+        rng = _generator(self.recipe, self.number, 3, view, take)
+        clip = stage.act(start, rng)
+        person = Person.random(rng)
+        joints = animate(clip.plan, person, rng)
+        outfit = Outfit.random(rng)
+        return Recording(number, self.number, split, camera, joints, clip.contact, outfit, person.scale)
+
+
+def _generator(recipe: Recipe, *key: int) -> np.random.Generator:
+    """A generator of its own for each thing that is drawn, so that nothing depends on the order."""
+    return np.random.default_rng([recipe.seed, *key, len(key)])

@@ -1,0 +1,61 @@
+"""The embedded rooms as a data module."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sag.data.base import MotionDataModule
+from sag.data.cache import WindowCache, open_or_build
+from sag.data.rooms.build import build_rooms
+from sag.data.rooms.recipe import Recipe
+from sag.errors import SagError
+from sag.skeleton import GTA_IM_19
+
+
+class RoomsDataModule(MotionDataModule):
+    """Synthetic furnished rooms with people who walk, reach, sit and stand in them; made on the spot.
+
+    Args:
+        train_rooms: rooms that are trained on; every other one also has a camera for testing.
+        test_rooms: rooms that are only tested on.
+        views: cameras for training in each training room.
+        recordings: recordings of each camera.
+        seed: of all that is drawn.
+        workers: processes that build the cache; they do not change its bytes.
+        cache_dir: folder that holds the window caches.
+        skeleton: only `gta_im_19`.
+        image_size: rows and columns of the picture, 9:16; the paper's is 288 x 512.
+        batch_size: windows of a training step.
+        eval_batch_size: windows of a validation or test step.
+    """
+
+    name = "rooms"
+
+    def __init__(
+        self,
+        train_rooms: int = 18,
+        test_rooms: int = 9,
+        views: int = 2,
+        recordings: int = 2,
+        seed: int = 0,
+        workers: int = 2,
+        cache_dir: Path = Path("data"),
+        skeleton: str = "gta_im_19",
+        image_size: tuple[int, int] = (72, 128),
+        batch_size: int = 16,
+        eval_batch_size: int = 64,
+    ) -> None:
+        super().__init__(cache_dir, skeleton, image_size, batch_size, eval_batch_size)
+        if self.skeleton.name != GTA_IM_19.name:
+            raise SagError(f"data.init_args.skeleton must be {GTA_IM_19.name} for rooms, found {skeleton!r}")
+        self.recipe = Recipe(seed, train_rooms, test_rooms, views, recordings, self.image_size)
+        self.workers = workers
+
+    def build(self) -> WindowCache:
+        """Opens the cache of the recipe, making the rooms first when it is missing."""
+        return open_or_build(
+            self.cache_dir,
+            self.name,
+            self.recipe.as_dict(),
+            lambda folder: build_rooms(folder, self.recipe, self.workers),
+        )

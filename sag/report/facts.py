@@ -1,0 +1,92 @@
+"""What must be said with the figures: notices that a reader needs first, and the facts below a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from sag.report.lines import Line, twin_ratios
+from sag.report.paper import PaperFigures
+from sag.report.results import Result
+
+FEW_MOTIONS = 500
+"""Motions below which a Frechet distance says more about N than about the motions."""
+
+
+def notices_of(lines: Sequence[Line]) -> tuple[str, ...]:
+    """Failed rows, NaN, too few motions, and what the data set says against itself."""
+    result = _any(lines)
+    notices = []
+    motions = int(result.protocol.get("motions", 0))
+    if motions < FEW_MOTIONS:
+        notices.append(f"N = {motions} is far too small for these figures to mean anything.")
+    notices += [f"{str(note).rstrip('.')}." for note in result.data.get("notes", [])]
+    for line in lines:
+        wrong = [name for name, figure in line.figures.items() if math.isnan(figure.mean)]
+        if wrong:
+            notices.append(f"NaN in {line.name}: {', '.join(wrong)}.")
+        notices += [f"{r.name} {_has(r.state)}: {r.reason.rstrip('.')}." for r in line.unfinished]
+    return tuple(notices)
+
+
+def _has(state: str) -> str:
+    return {"waiting": "has not run", "running": "is still running", "interrupted": "was interrupted"}.get(state, state)
+
+
+def facts_of(lines: Sequence[Line], paper: PaperFigures) -> tuple[tuple[str, str], ...]:
+    """Data, N, encoders, seeds, versions, and how to read the paper's columns."""
+    result = _any(lines)
+    facts = [("Data", _data(result)), ("N", _counts(result))]
+    facts += [("Encoders of Motion FID", str(result.protocol.get("encoders")))]
+    facts += [("Skeleton", str(result.protocol.get("skeleton"))), ("Seeds", _seeds(lines))]
+    facts += _ratios(lines)
+    facts.append(("Paper", f"printed figures on {paper.source}. {HOW_TO_READ}"))
+    versions = {f"{name} {value}" for line in lines for r in line.finished for name, value in r.origin.items() if value}
+    facts.append(("Versions", ", ".join(sorted(versions))))
+    return tuple(facts)
+
+
+def _ratios(lines: Sequence[Line]) -> list[tuple[str, str]]:
+    """What M does to Motion FID in every pair of twins; a pair with NaN is said and left out of the smallest."""
+    ratios = twin_ratios(lines)
+    known = [ratio for ratio in ratios.values() if not math.isnan(ratio)]
+    if not ratios:
+        return []
+    pairs = ", ".join(f"{pair} {'NaN' if math.isnan(ratio) else f'{ratio:.2f}'}" for pair, ratio in ratios.items())
+    smallest = f"{min(known):.2f}" if known else "NaN"
+    return [("Motion FID without M over its twin with M", f"{pairs}; smallest {smallest}")]
+
+
+HOW_TO_READ = (
+    "Motion FID depends on its encoders, which are trained on the data set: compare the order and the ratios "
+    "of rows with the paper's, never the level."
+)
+
+
+def _any(lines: Sequence[Line]) -> Result:
+    """Any finished run: all were measured alike."""
+    return next(line.finished[0] for line in lines if line.finished)
+
+
+def _data(result: Result) -> str:
+    data = result.data
+    windows = ", ".join(f"{count:,} {split}" for split, count in data.get("windows", {}).items())
+    return f"{data.get('name')} (fingerprint {data.get('fingerprint')}), {data.get('fps'):g} fps, windows: {windows}"
+
+
+def _counts(result: Result) -> str:
+    protocol = result.protocol
+    frames, points = int(protocol.get("collision_frames", 0)), float(protocol.get("cloud_points", 0))
+    motions = f"{int(protocol.get('motions', 0)):,} motions (Motion FID)"
+    return f"{motions}, {frames:,} frames (non-collision), {points:,.0f} scene points a frame"
+
+
+def _seeds(lines: Sequence[Line]) -> str:
+    """The seeds of the rows, and what the figures are when there are several."""
+    seeds = sorted({r.seed for line in lines for r in line.finished if line.components and r.seed is not None})
+    counts = sorted({len(line.finished) for line in lines if line.components and line.finished})
+    listed = ", ".join(map(str, seeds)) or "none"
+    if not counts or counts[-1] == 1:
+        return listed
+    several = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    return f"{listed}; figures are mean ± standard deviation over n = {several} runs of a row"

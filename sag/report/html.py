@@ -1,0 +1,100 @@
+"""The table as one HTML file that needs nothing else, in light and in dark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from itertools import groupby
+
+from sag.report.markdown import LEGEND
+from sag.report.table import Column, Table
+
+STYLE = """
+:root { color-scheme: light dark; --ink: #1d2330; --soft: #667085; --line: #e3e6ec; --page: #f6f7f9; --card: #fff;
+  --good: #0b6e4f; --bad: #b42318; --bad-back: #fee4e2; --stripe: #f9fafb; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6e8ee; --soft: #98a2b3; --line: #2c3341; --page: #11141b;
+  --card: #181d27; --good: #5fd3a8; --bad: #fda29b; --bad-back: #55160c; --stripe: #1c222d; } }
+* { box-sizing: border-box; }
+body { margin: 0; padding: 2.5rem 1.5rem; background: var(--page); color: var(--ink);
+  font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, sans-serif; }
+main { max-width: 1320px; margin: 0 auto; }
+h1 { font-size: 1.5rem; margin: 0 0 1rem; }
+.card { background: var(--card); border: 1px solid var(--line); border-radius: 12px; overflow-x: auto;
+  margin: 0 0 1.25rem; }
+.notice { background: var(--bad-back); color: var(--bad); border-radius: 10px; padding: .6rem 1rem; margin: 0 0 .6rem;
+  font-weight: 600; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; white-space: nowrap; }
+th, td { padding: .42rem .6rem; text-align: right; }
+thead th { font-weight: 600; color: var(--soft); font-size: .85rem; }
+thead tr.groups th { text-align: center; color: var(--ink); padding-top: .8rem; }
+thead tr.groups th:not(:empty) { border-bottom: 1px solid var(--line); }
+thead tr:last-child th { border-bottom: 2px solid var(--line); }
+th.left, td.left { text-align: left; font-weight: 600; padding-left: 1rem; }
+th.center, td.center { text-align: center; padding: .42rem .3rem; }
+tbody + tbody tr:first-child td { border-top: 2px solid var(--line); }
+tbody tr:nth-child(even) { background: var(--stripe); }
+td.best { color: var(--good); font-weight: 700; }
+td.bad { color: var(--bad); background: var(--bad-back); font-weight: 700; }
+td.paper { color: var(--soft); }
+figure { margin: 0; padding: 1rem; min-width: 720px; }
+figure svg { width: 100%; height: auto; color: var(--ink); }
+p.legend { color: var(--soft); font-size: .9rem; margin: 0 0 1.25rem; }
+dl { display: grid; grid-template-columns: minmax(9rem, 14rem) 1fr; gap: .35rem 1rem; margin: 0; padding: 1rem; }
+dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
+"""
+
+
+def html(table: Table, plot: str) -> str:
+    """The page.
+
+    Args:
+        table: with all of the paper's cells.
+        plot: an SVG element drawn in `currentColor`.
+    """
+    notices = "\n".join(f'<p class="notice">{escape(notice)}</p>' for notice in table.notices)
+    facts = "\n".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in table.facts)
+    title = escape(table.title)
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>{STYLE}</style>
+</head>
+<body><main>
+<h1>{title}</h1>
+{notices}
+<div class="card"><table>
+<thead>
+{_headings(table.columns)}
+</thead>
+{_bodies(table)}
+</table></div>
+<p class="legend">{escape(LEGEND)}</p>
+<div class="card"><figure>{plot}</figure></div>
+<div class="card"><dl>
+{facts}
+</dl></div>
+</main></body>
+</html>
+"""
+
+
+def _headings(columns: Sequence[Column]) -> str:
+    groups = [(group, len(list(members))) for group, members in groupby(columns, key=lambda column: column.group)]
+    over = "".join(f'<th colspan="{count}">{escape(group)}</th>' for group, count in groups)
+    own = "".join(f'<th class="{column.alignment}">{escape(column.heading)}</th>' for column in columns)
+    return f'<tr class="groups">{over}</tr>\n<tr>{own}</tr>'
+
+
+def _bodies(table: Table) -> str:
+    bodies = []
+    for kind, rows in groupby(table.rows, key=lambda row: row.kind):
+        lines = []
+        for row in rows:
+            pairs = zip(table.columns, row.cells)
+            cells = (f'<td class="{column.alignment} {cell.look}">{escape(cell.text)}</td>' for column, cell in pairs)
+            lines.append(f"<tr>{''.join(cells)}</tr>")
+        bodies.append(f'<tbody class="{kind}">' + "\n".join(lines) + "</tbody>")
+    return "\n".join(bodies)

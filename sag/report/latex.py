@@ -1,0 +1,63 @@
+"""The table as LaTeX with booktabs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from sag.report.table import MARK, NONE, Cell, Column, Table
+
+SPECIAL = {
+    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$", "↓": r"$\downarrow$", "↑": r"$\uparrow$",
+    MARK: r"\checkmark", NONE: "--", "<": r"$<$", ">": r"$>$",
+}  # fmt: skip
+"""Characters that LaTeX reads otherwise, or not at all."""
+
+
+def latex(table: Table) -> str:
+    """The table as a float, with notices and facts below it; wants the packages named in its first line."""
+    lines = [
+        "% \\usepackage{booktabs, amssymb, graphicx}",
+        "\\begin{table*}",
+        "\\centering",
+        f"\\caption{{{escaped(table.title)}}}",
+        "\\resizebox{\\textwidth}{!}{%",
+        f"\\begin{{tabular}}{{{''.join(map(_alignment, table.columns))}}}",
+        "\\toprule",
+        *_headings(table.columns),
+        "\\midrule",
+    ]
+    for place, (_, rows) in enumerate(groupby(table.rows, key=lambda row: row.kind)):
+        lines += ["\\midrule"] if place else []
+        lines += [" & ".join(map(_text, row.cells)) + r" \\" for row in rows]
+    lines += ["\\bottomrule", "\\end{tabular}}", "\\par\\smallskip\\raggedright\\footnotesize"]
+    lines += [f"\\textbf{{{escaped(notice)}}}\\par" for notice in table.notices]
+    lines += [f"{escaped(name)}: {escaped(value)}\\par" for name, value in table.facts]
+    return "\n".join([*lines, "\\end{table*}", ""])
+
+
+def _alignment(column: Column) -> str:
+    return {"left": "l", "center": "c", "right": "r"}[column.alignment]
+
+
+def _headings(columns: Sequence[Column]) -> list[str]:
+    """Two lines: headings over several columns with their rules, then each column's own."""
+    cells, rules, place = [], [], 1
+    for group, members in groupby(columns, key=lambda column: column.group):
+        count = len(list(members))
+        cells.append(f"\\multicolumn{{{count}}}{{c}}{{{escaped(group)}}}")
+        rules += [f"\\cmidrule(lr){{{place}-{place + count - 1}}}"] if group else []
+        place += count
+    own = " & ".join(escaped(column.heading) for column in columns)
+    return [" & ".join(cells) + r" \\", "".join(rules), own + r" \\"]
+
+
+def _text(cell: Cell) -> str:
+    text = escaped(cell.text)
+    return f"\\textbf{{{text}}}" if cell.look in ("best", "bad") else text
+
+
+def escaped(text: str) -> str:
+    """Text in which every character means itself."""
+    return "".join(SPECIAL.get(character, character) for character in text)

@@ -1,0 +1,48 @@
+"""The rows as CSV: every figure with all its digits, every cell of the paper."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+from sag.letters import LETTERS
+from sag.report.lines import Line
+from sag.report.paper import HORIZONS, RADII, PaperFigures
+
+PAPER_METRICS = tuple(f"motion_fid/{name}" for name in HORIZONS) + tuple(f"non_collision/{name}" for name in RADII)
+
+
+def spreadsheet(lines: Sequence[Line], paper: PaperFigures) -> str:
+    """One line for each row: state, letters as 0 or 1, mean and deviation of every figure, the paper's cells, effort.
+
+    A cell is empty where there is nothing to say; NaN is written as `nan`.
+    """
+    metrics = list(dict.fromkeys(PAPER_METRICS))
+    metrics += sorted({name for line in lines for name in line.figures} - set(metrics))
+    rows = [_row(line, metrics, paper) for line in lines]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _row(line: Line, metrics: Sequence[str], paper: PaperFigures) -> dict[str, object]:
+    finished, unfinished = line.finished, line.unfinished
+    components = line.components
+    row: dict[str, object] = {"row": line.name, "method": finished[0].method if finished else ""}
+    row |= {letter: int(components[name]) if components else "" for name, letter in LETTERS.items()}
+    row["state"] = "finished" if finished else unfinished[0].state
+    row["reason"] = "; ".join(f"{result.name}: {result.reason}" for result in unfinished)
+    row |= {"n": len(finished), "seeds": " ".join(str(result.seed) for result in finished)}
+    for name in metrics:
+        figure = line.figures.get(name)
+        row[name] = "" if figure is None else repr(figure.mean)
+        row[f"{name}/deviation"] = "" if figure is None or figure.deviation is None else repr(figure.deviation)
+    printed = paper.cells(line.paper_row)
+    row |= {f"paper/{name}": printed.get(name, "") for name in PAPER_METRICS}
+    row["steps"] = max((result.steps for result in finished), default="")
+    row["minutes"] = "" if line.minutes is None else round(line.minutes, 3)
+    row["parameters"] = finished[0].parameters if finished else ""
+    return row

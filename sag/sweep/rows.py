@@ -1,0 +1,108 @@
+"""Rows: what a sweep runs, each with a name that is a folder."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from sag.errors import SagError
+from sag.letters import LETTERS, row_name
+from sag.sweep.command import Additions, command_hash, preparation_command, row_command, written
+from sag.sweep.definition import Point, Sweep
+
+COMPONENTS = "components."
+ENCODERS = "configs/methods/erd.yaml"
+GROUND_TRUTH = "configs/methods/ground_truth.yaml"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One command of a sweep, run in its own process and folder.
+
+    Attributes:
+        name: name of its folder.
+        command: what is run, without the folder it writes to.
+        fingerprint: of the command and its configs: an unchanged row is not run twice.
+        measured: whether it must leave a `metrics.json`.
+        alone: whether everything after it waits for it, and stops when it fails.
+        typical: whether it takes about as long as the others: those of the grid do.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    fingerprint: str
+    measured: bool = True
+    alone: bool = False
+    typical: bool = True
+
+
+def plan(sweep: Sweep, additions: Additions, seeds: int | None = None) -> list[Row]:
+    """Everything a sweep runs, in order: encoders, ground truth, then the grid.
+
+    A command without the subcommand `run` is not this program's, and is run without preparations.
+
+    Raises:
+        SagError: two rows have one name, a component is unknown, or a config file is missing.
+    """
+    _check_components(sweep)
+    prepared = _preparations(sweep, additions) if "run" in sweep.command else []
+    after = prepared[0].fingerprint if prepared else ""
+    rows = list(prepared)
+    for point in _seeded(sweep, seeds):
+        command = tuple(row_command(sweep, point, additions))
+        rows.append(Row(name_of(point, sweep.varied), command, command_hash(command, after)))
+    twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
+    if twice:
+        raise SagError(f"{sweep.path}: two rows would share the folder {twice[0]!r}; rename one or vary another key")
+    return rows
+
+
+def _preparations(sweep: Sweep, additions: Additions) -> list[Row]:
+    """The encoders of Motion FID (their run also builds the data), then the ground truth that they measure."""
+    overlay = (f"--config={ENCODERS}", "--model.init_args.retrain=false")
+    encoders = tuple(preparation_command(sweep, "fit", overlay, additions))
+    fingerprint = command_hash(encoders)
+    truth = tuple(preparation_command(sweep, "test", (f"--config={GROUND_TRUTH}",), additions))
+    return [
+        Row("encoders", encoders, fingerprint, measured=False, alone=True, typical=False),
+        Row("ground_truth", truth, command_hash(truth, fingerprint), typical=False),
+    ]
+
+
+def _seeded(sweep: Sweep, seeds: int | None) -> list[Point]:
+    points = sweep.points()
+    if seeds is None:
+        return points
+    return [{**point, "seed_everything": seed} for point in points for seed in range(seeds)]
+
+
+def name_of(point: Point, varied: Sequence[str]) -> str:
+    """The name of a row: letters for components, the stem of a config, `key=value` for the rest, `-s1` for seed 1."""
+    rest = {name: value for name, value in point.items() if not name.startswith(COMPONENTS)}
+    parts = []
+    if len(rest) < len(point):
+        parts.append(row_name({n.removeprefix(COMPONENTS): bool(v) for n, v in point.items() if n not in rest}))
+    if "config" in rest:
+        parts.append(PurePath(str(rest.pop("config"))).stem)
+    seed = rest.pop("seed_everything", None)
+    short = [name for name in rest if name in varied]
+    parts += [f"{_short_key(name, short)}={written(rest[name])}" for name in short]
+    parts += [] if seed is None else [f"s{seed}"]
+    return re.sub(r"[^\w.=+-]+", "_", "-".join(parts)) or "row"
+
+
+def _short_key(name: str, names: Sequence[str]) -> str:
+    """The last part of a dotted key, or all of it where another key ends alike."""
+    last = name.rpartition(".")[2]
+    return last if [n.rpartition(".")[2] for n in names].count(last) == 1 else name
+
+
+def _check_components(sweep: Sweep) -> None:
+    """Refuses a component that does not exist before an hour is spent on it."""
+    for name in sweep.parameters:
+        component = name.removeprefix(COMPONENTS)
+        if component != name and component not in LETTERS:
+            raise SagError(f"{sweep.path}: unknown component {component!r}; known are {', '.join(LETTERS)}")

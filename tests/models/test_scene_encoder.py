@@ -1,0 +1,33 @@
+import pytest
+import torch
+
+from sag.models.scene_encoder import DepthDecoder, SceneEncoder
+
+
+@pytest.mark.parametrize("grid", [(1, 1), (2, 3)])
+def test_feature_length(grid: tuple[int, int]) -> None:
+    assert SceneEncoder(10, width=8, grid=grid)(torch.rand(2, 3, 72, 128)).shape == (2, 10)
+
+
+def test_a_finer_grid_knows_where_things_are() -> None:
+    picture = torch.zeros(1, 3, 64, 128)
+    picture[..., :40] = 1
+    encoder = SceneEncoder(10, width=8, grid=(1, 4)).eval()
+    assert not torch.allclose(encoder(picture), encoder(picture.flip(-1)), atol=1e-4)
+
+
+@pytest.mark.parametrize("size", [(288, 512), (72, 128), (36, 64), (50, 70)])
+def test_depth_has_the_pictures_size_and_is_positive(size: tuple[int, int]) -> None:
+    depth = DepthDecoder(12, size, channels=16)(torch.randn(2, 12))
+    assert depth.shape == (2, *size)
+    assert (depth > 0).all()
+
+
+def test_the_decoder_starts_from_the_papers_ninth_and_sixteenth() -> None:
+    assert DepthDecoder(4, (288, 512), channels=8).sizes == [(9, 16), (18, 32), (36, 64), (72, 128), (144, 256)]
+
+
+def test_depth_comes_from_the_feature() -> None:
+    feature = torch.randn(1, 12, requires_grad=True)
+    DepthDecoder(12, (36, 64), channels=16).eval()(feature).sum().backward()
+    assert feature.grad.abs().sum() > 0
