@@ -24,7 +24,7 @@ def by_scipy(a: Moments, b: Moments) -> float:
     return float((a[0] - b[0]).square().sum() + a[1].trace() + b[1].trace()) - 2 * np.trace(root)
 
 
-@pytest.mark.parametrize("dimension", [1, 3, 12, 64])
+@pytest.mark.parametrize("dimension", [2, 12, 64])
 def test_equals_scipy(dimension):
     a, b = moments(0, 200, dimension), moments(1, 200, dimension, 2.0)
     assert float(frechet_distance(*a, *b)) == pytest.approx(by_scipy(a, b), rel=1e-9)
