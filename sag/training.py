@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 import torch
+import wandb
 from jsonargparse import ArgumentError, set_parsing_settings
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 
@@ -84,4 +85,6 @@ def train(arguments: list[str]) -> int:
         )
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
+    finally:
+        wandb.finish()
     return 0

@@ -5,10 +5,16 @@ import pytest
 from sag.errors import SagError
 from sag.skeleton import GTA_IM_19, SKELETONS, skeleton_named
 
-GTA_IM_21 = (
-    "head neck right_clavicle right_shoulder right_elbow right_wrist left_clavicle left_shoulder left_elbow "
-    "left_wrist spine0 spine1 spine2 spine3 root right_hip right_knee right_ankle left_hip left_knee left_ankle"
-).split()
+ARM, LEG = ("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle")
+
+GTA_IM_21 = [
+    "head",
+    "neck",
+    *(f"{side}_{joint}" for side in ("right", "left") for joint in ("clavicle", *ARM)),
+    *("spine0", "spine1", "spine2", "spine3", "root"),
+    *(f"{side}_{joint}" for side in ("right", "left") for joint in LEG),
+]
+"""The joints of GTA-IM's own arrays."""
 
 
 def test_gta_im_without_clavicles_in_its_order() -> None:

@@ -183,6 +183,16 @@ def motion_fid_floor(
 
     Raises:
         SagError: fewer than two sequences.
+
+    Example:
+        >>> import torch
+        >>> from sag.metrics import motion_fid_floor
+        >>> from sag.models.erd import MotionEncoders
+        >>> motions = torch.randn(16, 65, 19, 3, generator=torch.manual_seed(0))
+        >>> sequence = torch.arange(4).repeat_interleave(4)
+        >>> floor = motion_fid_floor(MotionEncoders("gta_im_19", width=0.01), motions, sequence, root=12)
+        >>> bool(floor["average"] > 0)
+        True
     """
     rank = torch.unique(sequence, return_inverse=True)[1]
     if not len(rank) or rank.max() < 1:

@@ -37,9 +37,7 @@ def test_a_segment_without_length_is_a_point():
 
 def test_distance_has_right_gradients():
     points, (starts, ends) = torch.randn(4, 3, dtype=torch.float64), random_segments(0, 4, 2)
-    assert torch.autograd.gradcheck(
-        squared_distance_to_segment, [x.requires_grad_() for x in (points, starts, ends)]
-    )
+    assert torch.autograd.gradcheck(squared_distance_to_segment, [x.requires_grad_() for x in (points, starts, ends)])
 
 
 def test_share_of_points_inside_is_the_share_of_volume():

@@ -6,8 +6,8 @@ import pickle
 import numpy as np
 import pytest
 import torch
-from toy_data import walks
 from torch import Tensor
+from toy_data import walks
 
 from sag.errors import SagError
 from sag.metrics import MotionFID, frechet_distance, motion_fid_floor
@@ -165,7 +165,7 @@ def test_the_floor_splits_by_sequence(encoders, motions):
 
 def test_refuses(encoders, motions):
     metric = MotionFID(encoders, ROOT)
-    with pytest.raises(SagError, match="65 frames of 19 joints, not 65 frames of 16"):
+    with pytest.raises(SagError, match="65 frames of 19 joints, as its encoders do, not 65 frames of 16 joints"):
         metric.update(motions[:, :, :16], real=True)
     with pytest.raises(SagError, match="not 64 frames"):
         metric.update(motions[:, 1:], real=True)
@@ -174,7 +174,8 @@ def test_refuses(encoders, motions):
     with pytest.raises(SagError, match="not finite"):
         metric.update(broken, real=False)
     metric.update(motions, real=True)
-    with pytest.raises(SagError, match="at least 2 generated motions"), pytest.warns(UserWarning) as _:
-        MotionFID(encoders, ROOT).compute() if False else metric.compute()
+    metric.update(motions[:0], real=False)
+    with pytest.raises(SagError, match="at least 2 generated motions, it was given 0"):
+        metric.compute()
     with pytest.raises(SagError, match="at least 2 sequences"):
         motion_fid_floor(encoders, motions, torch.zeros(48, dtype=torch.long), ROOT)

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter1d
 
 from sag.data.rooms.geometry import Seat
+from sag.data.rooms.pacing import directions, eased, passing_times
 from sag.data.rooms.person import FRAME_RATE, Plan
 from sag.data.rooms.room import Room
 from sag.data.rooms.routes import SPACING
@@ -18,12 +19,6 @@ SEAT_APPROACH, SEAT_STANDING = 0.62, 0.38
 
 TURNING = 2.2
 """Turning speed on the spot, radians a second."""
-
-ACCELERATION = 1.0
-"""Of walkers who set off and stop, metres a second squared."""
-
-LATERAL = 0.8
-"""Greatest acceleration to the side in bends, metres a second squared."""
 
 SMOOTHING = 3.0
 """Deviation of the final smoothing in time, frames."""
@@ -84,7 +79,7 @@ class Actor:
         """Turns on the spot to a direction (radians), the shorter way."""
         change = (heading - self.heading + np.pi) % (2 * np.pi) - np.pi
         count = max(3, round(FRAME_RATE * (0.25 + abs(change) / TURNING)))
-        headings = self.heading + change * _eased(count)
+        headings = self.heading + change * eased(count)
         self._add(np.repeat(self.position[None], count, axis=0), headings)
 
     def walk(self, way: Float[np.ndarray, "n 2"], speed: float, moving: bool = False, stopping: bool = True) -> None:
@@ -96,13 +91,13 @@ class Actor:
             moving: whether it is already at this speed at the start.
             stopping: whether it comes to rest at the end.
         """
-        tangent = _directions(way, self.heading)
+        tangent = directions(way, self.heading)
         if not moving and abs(tangent[0] - self.heading) > 0.6:
             self.turn(tangent[0])
-            tangent = _directions(way, self.heading)
+            tangent = directions(way, self.heading)
         length = SPACING * np.arange(len(way))
         length = length * (np.linalg.norm(np.diff(way, axis=0), axis=1).sum() / length[-1])
-        times = _times(length, tangent, speed, moving, stopping)
+        times = passing_times(length, tangent, speed, moving, stopping)
         frames = np.arange(0, times[-1], 1 / FRAME_RATE)
         along = np.interp(frames, times, length)
         points = np.stack([np.interp(along, length, axis) for axis in way.T], axis=-1)
@@ -111,7 +106,7 @@ class Actor:
     def reach(self, target: Float[np.ndarray, " 3"], seconds: float) -> None:
         """Reaches for a point and takes the hand back."""
         rise, hold = round(0.8 * FRAME_RATE), round(seconds * FRAME_RATE)
-        curve = np.concatenate([_eased(rise), np.ones(hold), _eased(rise)[::-1]])
+        curve = np.concatenate([eased(rise), np.ones(hold), eased(rise)[::-1]])
         self._reach_point = target
         self._add(np.repeat(self.position[None], len(curve), axis=0), np.full(len(curve), self.heading), reach=curve)
 
@@ -120,7 +115,7 @@ class Actor:
         ahead = np.array([np.cos(seat.yaw), np.sin(seat.yaw)])
         self._seat_point = np.array(seat.point)
         self._step(self._seat_point[:2] + SEAT_STANDING * ahead)
-        self._sit(np.concatenate([_eased(round(1.3 * FRAME_RATE)), np.ones(round(seconds * FRAME_RATE))]))
+        self._sit(np.concatenate([eased(round(1.3 * FRAME_RATE)), np.ones(round(seconds * FRAME_RATE))]))
 
     def start_seated(self, seat: Seat, seconds: float) -> None:
         """Begins the clip on a seat."""
@@ -131,7 +126,7 @@ class Actor:
 
     def stand_up(self) -> None:
         """Stands up and steps away from the seat."""
-        self._sit(_eased(round(1.2 * FRAME_RATE))[::-1])
+        self._sit(eased(round(1.2 * FRAME_RATE))[::-1])
         ahead = np.array([np.cos(self.heading), np.sin(self.heading)])
         self._step(self.position + (SEAT_APPROACH - SEAT_STANDING) * ahead)
 
@@ -151,7 +146,7 @@ class Actor:
         return Clip(plan, np.concatenate(self._contact)[:frames])
 
     def _step(self, goal: Float[np.ndarray, " 2"]) -> None:
-        share = _eased(round(0.8 * FRAME_RATE))
+        share = eased(round(0.8 * FRAME_RATE))
         positions = self.position + share[:, None] * (goal - self.position)
         self._add(positions, np.full(len(share), self.heading), contact=True)
 
@@ -175,37 +170,3 @@ class Actor:
         self._reach.append(np.zeros(len(headings)) if reach is None else reach)
         self._contact.append(np.full(len(headings), contact))
         self.position, self.heading = positions[-1], float(headings[-1])
-
-
-def _eased(count: int) -> Float[np.ndarray, " count"]:
-    """From 0 to 1 with zero speed and acceleration at both ends."""
-    t = np.linspace(0, 1, count)
-    return t**3 * (10 - 15 * t + 6 * t**2)
-
-
-def _directions(way: Float[np.ndarray, "n 2"], heading: float) -> Float[np.ndarray, " n"]:
-    """Direction of the way at each point, radians, smooth and without jumps from the heading on."""
-    step = np.gradient(way, axis=0)
-    angle = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    angle += 2 * np.pi * np.round((heading - angle[0]) / (2 * np.pi))
-    return gaussian_filter1d(angle, 3, mode="nearest")
-
-
-def _times(
-    length: Float[np.ndarray, " n"], direction: Float[np.ndarray, " n"], speed: float, moving: bool, stopping: bool
-) -> Float[np.ndarray, " n"]:
-    """When each point of a way is passed, seconds: slower in bends, at rest at the ends that ask for it."""
-    bend = np.abs(np.gradient(direction, length))
-    fastest = np.minimum(speed, np.sqrt(LATERAL / np.maximum(bend, 1e-6)))
-    slowest = 0.12
-    if not moving:
-        fastest[0] = slowest
-    if stopping:
-        fastest[-1] = slowest
-    step = np.diff(length)
-    for order in (range(1, len(length)), range(len(length) - 2, -1, -1)):
-        ahead = order.step
-        for i in order:
-            gap = step[min(i, i - ahead)]
-            fastest[i] = min(fastest[i], np.sqrt(fastest[i - ahead] ** 2 + 2 * ACCELERATION * gap))
-    return np.concatenate([[0], np.cumsum(2 * step / (fastest[1:] + fastest[:-1]))])

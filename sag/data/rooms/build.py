@@ -130,7 +130,7 @@ def _npy(array: np.ndarray) -> bytes:
 
 def _index(recipe: Recipe, split: np.ndarray, dropped: Counter[str]) -> dict[str, Any]:
     counts = ", ".join(f"{(split == number).sum()} {name}" for number, name in enumerate(SPLITS))
-    shared = f"test windows are from {recipe.train_rooms} training rooms (other cameras, other people) and {recipe.test_rooms} rooms of their own"
+    shared = f"test windows: training rooms with other cameras and people, and {recipe.test_rooms} rooms of their own"
     return {
         "name": "rooms",
         "recipe": json.loads(json.dumps(recipe.as_dict())),

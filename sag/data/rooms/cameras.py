@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from sag.data.rooms.rays import RayScene
 from sag.data.rooms.room import Room
 
-NEAREST, FARTHEST = 1.6, 8.0
+NEAREST, FARTHEST = 1.6, 7.0
 """Between these depths (metres) a person's root may be when a window starts."""
 
 
@@ -70,28 +70,30 @@ class Camera:
 
 
 def random_camera(room: Room, rays: RayScene, rng: np.random.Generator) -> Camera:
-    """Some camera that sees much of the ground that people walk on: the best of a few."""
+    """Some camera that sees much of the ground that people walk on: of a few with one lens, the best placed."""
     free = room.grid.points[room.grid.free]
     ground = free[rng.choice(len(free), min(len(free), 150), replace=False)]
     people = np.concatenate([ground, room.geometry.floor_height(ground)[:, None] + 0.9], axis=1)
-    candidates = [_candidate(room, people, rng) for _ in range(12)]
+    height, field = rng.uniform(1.2, 2.4), np.deg2rad(rng.uniform(40, 65))
+    candidates = [_candidate(room, people, height, field, rng) for _ in range(12)]
     return max(candidates, key=lambda camera: _seen(camera, rays, people))
 
 
-def _candidate(room: Room, people: Float[np.ndarray, "n 3"], rng: np.random.Generator) -> Camera:
+def _candidate(
+    room: Room, people: Float[np.ndarray, "n 3"], height: float, field: float, rng: np.random.Generator
+) -> Camera:
     half = np.array(room.size[:2]) / 2 - 0.12
     while True:
         axis, place = int(rng.integers(2)), rng.uniform(-half, half)
         place[axis] = rng.choice([-1, 1]) * (half[axis] - rng.uniform(0, 0.5))
-        height = room.geometry.floor_height(place) + rng.uniform(1.2, 2.4)
-        eye = np.array([*place, min(float(height), room.size[2] - 0.2)])
+        eye = np.array([*place, min(float(room.geometry.floor_height(place)) + height, room.size[2] - 0.2)])
         if room.geometry.signed_distance(eye) > 0.1:
             break
     target = people[rng.integers(len(people))] * 0.5 + people.mean(axis=0) * 0.5
     way = target - eye
     down = np.arctan2(-way[2], np.hypot(way[0], way[1]))
-    pitch = np.clip(down + np.deg2rad(rng.uniform(-5, 10)), 0.0, np.deg2rad(35))
-    return Camera.looking(eye, float(np.arctan2(way[1], way[0])), float(pitch), float(np.deg2rad(rng.uniform(40, 65))))
+    pitch = np.clip(down + np.deg2rad(rng.uniform(-5, 12)), 0.0, np.deg2rad(35))
+    return Camera.looking(eye, float(np.arctan2(way[1], way[0])), float(pitch), float(field))
 
 
 def _seen(camera: Camera, rays: RayScene, people: Float[np.ndarray, "n 3"]) -> float:

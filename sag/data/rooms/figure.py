@@ -8,8 +8,10 @@ import numpy as np
 from jaxtyping import Float
 
 from sag.data.cache import PERSON
+from sag.data.rooms.lofts import RING, ellipsoid, loft, tapered
 from sag.data.rooms.materials import Colour, Material, shade
 from sag.data.rooms.surfaces import SurfaceList, Surfaces
+from sag.geometry.kinematics import unit
 from sag.skeleton import GTA_IM_19
 
 SKINS: tuple[Colour, ...] = ((0.93, 0.76, 0.65), (0.82, 0.62, 0.48), (0.62, 0.43, 0.31), (0.42, 0.28, 0.2))
@@ -25,12 +27,6 @@ TROUSERS: tuple[Colour, ...] = (
     (0.35, 0.25, 0.2),
     (0.3, 0.38, 0.5),
 )
-
-AROUND = 12
-"""Corners of the ring around a limb."""
-
-_RING = np.stack([f(np.arange(AROUND) * 2 * np.pi / AROUND) for f in (np.cos, np.sin)], axis=-1)
-_CAPS = np.deg2rad([0, 30, 60, 90])
 
 
 @dataclass(frozen=True)
@@ -101,9 +97,9 @@ class _Body:
     def torso(self) -> None:
         """A loft from the hips to the neck."""
         at, s = self.at, self.scale
-        hips = _unit(at["left_hip"] - at["right_hip"])
-        shoulders = _unit(at["left_shoulder"] - at["right_shoulder"])
-        up = _unit(at["neck"] - at["root"])
+        hips = unit(at["left_hip"] - at["right_hip"])
+        shoulders = unit(at["left_shoulder"] - at["right_shoulder"])
+        up = unit(at["neck"] - at["root"])
         middle = (at["left_hip"] + at["right_hip"]) / 2
         rows = [
             (middle - 0.07 * s * up, 0.06, 0.06, 0.0),
@@ -117,9 +113,9 @@ class _Body:
         ]
         rings = []
         for centre, wide, deep, share in rows:
-            aside = _unit((1 - share) * hips + share * shoulders)
-            ahead = _unit(np.cross(aside, up))
-            rings.append(centre + s * (_RING[:, :1] * wide * aside + _RING[:, 1:] * deep * ahead))
+            aside = unit((1 - share) * hips + share * shoulders)
+            ahead = unit(np.cross(aside, up))
+            rings.append(centre + s * (RING[:, :1] * wide * aside + RING[:, 1:] * deep * ahead))
         lofted = loft(np.stack(rings))
         belt = len(lofted) * 2 // (len(rows) + 1)
         self._add(lofted[:belt], self.outfit.trousers)
@@ -128,15 +124,15 @@ class _Body:
     def head(self) -> None:
         """Neck, face and hair."""
         at, s = self.at, self.scale
-        up = _unit(at["head"] - at["neck"])
-        aside = _unit(at["left_shoulder"] - at["right_shoulder"])
-        ahead = _unit(np.cross(aside, up))
+        up = unit(at["head"] - at["neck"])
+        aside = unit(at["left_shoulder"] - at["right_shoulder"])
+        ahead = unit(np.cross(aside, up))
         middle = at["head"] + 0.06 * s * up + 0.01 * s * ahead
         self._limb(at["neck"] - 0.02 * up, at["head"] + 0.02 * up, (0.055, 0.05), self.outfit.skin)
         axes = np.stack([ahead, aside, up])
-        self._add(_ellipsoid(middle, axes, s * np.array([0.095, 0.075, 0.118])), self.outfit.skin)
+        self._add(ellipsoid(middle, axes, s * np.array([0.095, 0.075, 0.118])), self.outfit.skin)
         crown = middle + s * (0.028 * up - 0.022 * ahead)
-        self._add(_ellipsoid(crown, axes, s * np.array([0.098, 0.083, 0.11])), self.outfit.hair)
+        self._add(ellipsoid(crown, axes, s * np.array([0.098, 0.083, 0.11])), self.outfit.hair)
         self._limb(
             middle + 0.08 * s * ahead, middle + s * (0.105 * ahead - 0.02 * up), (0.018, 0.014), self.outfit.skin
         )
@@ -147,7 +143,7 @@ class _Body:
         sleeve = self.outfit.shirt if self.outfit.long_sleeves else self.outfit.skin
         self._limb(shoulder, elbow, (0.062, 0.046), self.outfit.shirt)
         self._limb(elbow, wrist, (0.043, 0.032), sleeve)
-        along = _unit(wrist - elbow) * self.scale
+        along = unit(wrist - elbow) * self.scale
         self._limb(wrist + 0.02 * along, wrist + 0.12 * along, (0.036, 0.026), self.outfit.skin)
 
     def leg(self, side: str) -> None:
@@ -156,52 +152,12 @@ class _Body:
         self._limb(hip, knee, (0.092, 0.062), self.outfit.trousers)
         self._limb(knee, ankle, (0.058, 0.042), self.outfit.trousers)
         s = self.scale
-        shin = _unit(ankle - knee)
-        ahead = np.cross(_unit(self.at["left_hip"] - self.at["right_hip"]), [0, 0, 1.0])
+        shin = unit(ankle - knee)
+        ahead = np.cross(unit(self.at["left_hip"] - self.at["right_hip"]), [0, 0, 1.0])
         # The foot keeps at a right angle to a shin that leans far, as in a swing, and flat under one that does not.
-        lifted = _unit(ahead - (ahead @ shin) * shin)
+        lifted = unit(ahead - (ahead @ shin) * shin)
         bend = np.clip((np.arccos(np.clip(-shin[2], -1, 1)) - 0.5) / 0.5, 0, 1) if shin @ ahead < 0 else 0.0
-        ahead = _unit((1 - bend) * ahead + bend * lifted)
-        down = _unit(np.array([0, 0, -1.0]) + (ahead[2]) * ahead)
+        ahead = unit((1 - bend) * ahead + bend * lifted)
+        down = unit(np.array([0, 0, -1.0]) + (ahead[2]) * ahead)
         heel = ankle + s * (0.045 * down - 0.035 * ahead)
         self._limb(heel, ankle + s * (0.05 * down + 0.15 * ahead), (0.04, 0.035), self.outfit.shoes)
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    return vector / max(float(np.linalg.norm(vector)), 1e-9)
-
-
-def loft(rings: Float[np.ndarray, "r k 3"]) -> Float[np.ndarray, "n 3 3"]:
-    """The closed surface through rings of as many corners each: first cap, sides from ring to ring, last cap."""
-    following = np.roll(rings, -1, axis=1)
-    sides = np.concatenate(
-        [
-            np.stack([rings[:-1], following[:-1], rings[1:]], axis=2),
-            np.stack([following[:-1], following[1:], rings[1:]], axis=2),
-        ],
-        axis=1,
-    ).reshape(-1, 3, 3)
-    caps = []
-    for ring in (rings[0], rings[-1]):
-        middle = np.broadcast_to(ring.mean(axis=0), ring.shape)
-        caps.append(np.stack([middle, ring, np.roll(ring, -1, axis=0)], axis=1))
-    return np.concatenate([caps[0], sides, caps[1]])
-
-
-def tapered(start: Float[np.ndarray, " 3"], end: Float[np.ndarray, " 3"], first: float, last: float) -> np.ndarray:
-    """Triangles of a round-ended limb with these radii (metres) at its ends."""
-    along = _unit(end - start)
-    aside = _unit(np.cross(along, [0.3, 0.5, 0.81] if abs(along[2]) > 0.9 else [0, 0, 1.0]))
-    other = np.cross(along, aside)
-    around = _RING[:, :1] * aside + _RING[:, 1:] * other
-    near = [start + first * (np.cos(a) * around - np.sin(a) * along) for a in _CAPS[:0:-1]]
-    far = [end + last * (np.cos(a) * around + np.sin(a) * along) for a in _CAPS[1:]]
-    return loft(np.stack([*near, start + first * around, end + last * around, *far]))
-
-
-def _ellipsoid(middle: np.ndarray, axes: Float[np.ndarray, "3 3"], radii: Float[np.ndarray, " 3"]) -> np.ndarray:
-    rings = []
-    for angle in np.linspace(-np.pi / 2, np.pi / 2, 9):
-        flat = np.cos(angle) * (_RING[:, :1] * radii[0] * axes[0] + _RING[:, 1:] * radii[1] * axes[1])
-        rings.append(middle + flat + np.sin(angle) * radii[2] * axes[2])
-    return loft(np.stack(rings))

@@ -10,16 +10,17 @@ import numpy as np
 from sag.data.rooms.body import Person, animate
 from sag.data.rooms.cameras import Camera, random_camera
 from sag.data.rooms.figure import Outfit
+from sag.data.rooms.layout import random_room
 from sag.data.rooms.recipe import Recipe
 from sag.data.rooms.render import Solids
-from sag.data.rooms.room import Room, random_room
+from sag.data.rooms.room import Room
 from sag.data.rooms.routes import Router
 from sag.data.rooms.surfaces import room_surfaces
 from sag.data.rooms.walks import Stage, Start
 from sag.data.rooms.windows import Recording, Scenery
 
-TESTED, HELD_OUT = 2, 3
-"""Every so many training rooms have a camera for testing, and a recording for validation."""
+TESTED = 2
+"""Every so many training rooms one has a camera for testing and a recording for validation."""
 
 SHARED = 2
 """Recordings that begin at the same place: several outcomes from one start."""
@@ -53,8 +54,7 @@ class Shoot:
     def recordings(self) -> Iterator[Recording]:
         """All recordings of the room, camera by camera.
 
-        Training rooms have a camera for testing only every `TESTED`, and one recording for validation every
-        `HELD_OUT` rooms.
+        Every other training room also has one recording for validation and a camera of its own for testing.
         """
         router, recipe = Router(self.room), self.recipe
         rays = self.scenery.solids.rays
@@ -71,9 +71,10 @@ class Shoot:
         if self.number >= recipe.train_rooms:
             return [test]
         cameras = [["train"] * recipe.recordings for _ in range(recipe.views)]
-        if self.number % HELD_OUT == 0:
-            cameras[0].append("val")
-        return [*cameras, test] if self.number % TESTED == 0 else cameras
+        if self.number % TESTED:
+            return cameras
+        cameras[0].append("val")
+        return [*cameras, test]
 
     def _recording(self, stage: Stage, camera: Camera, key: tuple[int, int], split: str) -> Recording:
         view, take = key

@@ -1,20 +1,16 @@
 """Furniture from primitives: tables, chairs, sofas, beds, shelves, cabinets, plants and lamps.
 
-A piece stands on the origin of its own frame: x to the front, y to the left, z up, metres.
+All lengths in metres, all places in the piece's own frame: see `sag.data.rooms.pieces`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
-import trimesh
-from jaxtyping import Float
 
 from sag.data.rooms.materials import Colour, Material, shade
-
-Triple = tuple[float, float, float]
+from sag.data.rooms.pieces import Piece
 
 SEAT_INSET = 0.23
 """How far behind the front edge of a deep seat people sit, metres."""
@@ -32,78 +28,10 @@ FABRICS: tuple[Colour, ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Part:
-    """A primitive of a piece.
-
-    Attributes:
-        triangles: metres, the piece's own frame.
-        centre: of its bounding box.
-        half: half the sides of its bounding box.
-        material: its look.
-    """
-
-    triangles: Float[np.ndarray, "n 3 3"]
-    centre: Triple
-    half: Triple
-    material: Material
-
-
-@dataclass
-class Piece:
-    """A piece of furniture in its own frame.
-
-    Attributes:
-        name: what it is.
-        parts: what it is made of.
-        seats: centres of its seats in use, people facing the front.
-        against_wall: whether it stands with its back to a wall.
-        top: height of a surface that a hand may reach for, metres; None without one.
-    """
-
-    name: str
-    parts: list[Part] = field(default_factory=list)
-    seats: list[Triple] = field(default_factory=list)
-    against_wall: bool = False
-    top: float | None = None
-
-    def box(self, centre: Triple, size: Triple, material: Material) -> None:
-        """Adds a box."""
-        self._add(trimesh.creation.box(extents=size), centre, material)
-
-    def cylinder(self, centre: Triple, radius: float, height: float, material: Material) -> None:
-        """Adds an upright cylinder."""
-        self._add(trimesh.creation.cylinder(radius=radius, height=height, sections=14), centre, material)
-
-    def ball(self, centre: Triple, size: Triple, material: Material) -> None:
-        """Adds an ellipsoid of these diameters."""
-        mesh = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
-        mesh.apply_scale(size)
-        self._add(mesh, centre, material)
-
-    def legs(self, half: tuple[float, float], height: float, thickness: float, material: Material) -> None:
-        """Adds four legs at the corners of a rectangle."""
-        for x in (-half[0], half[0]):
-            for y in (-half[1], half[1]):
-                self.box((x, y, height / 2), (thickness, thickness, height), material)
-
-    def _add(self, mesh: trimesh.Trimesh, centre: Triple, material: Material) -> None:
-        triangles = np.asarray(mesh.triangles) + np.array(centre)
-        corners = triangles.reshape(-1, 3)
-        half = np.ptp(corners, axis=0) / 2
-        middle = corners.min(axis=0) + half
-        self.parts.append(Part(triangles, tuple(middle.tolist()), tuple(half.tolist()), material))
-
-    @property
-    def bounds(self) -> Float[np.ndarray, "2 3"]:
-        """Least and greatest corner of the bounding box."""
-        centre, half = (np.array([getattr(p, name) for p in self.parts]) for name in ("centre", "half"))
-        return np.stack([(centre - half).min(axis=0), (centre + half).max(axis=0)])
-
-
 def _wood(rng: np.random.Generator) -> Material:
     colour = WOODS[rng.integers(len(WOODS))]
-    return Material(colour, shade(colour, 0.72), "wood", 0.09)
+    painted = min(colour) > 0.8
+    return Material(colour) if painted else Material(colour, shade(colour, 0.84), "wood", 0.09)
 
 
 def _fabric(rng: np.random.Generator) -> Material:
@@ -157,18 +85,17 @@ def sofa(rng: np.random.Generator) -> Piece:
     piece.box((0.02, 0, 0.16), (depth - 0.04, width - 0.04, 0.2), fabric)
     piece.legs((depth / 2 - 0.08, width / 2 - 0.08), 0.06, 0.05, Material((0.15, 0.12, 0.1)))
     piece.box((-depth / 2 + 0.11, 0, back / 2 + 0.04), (0.22, width, back - 0.08), fabric)
-    for y in (-1, 1):
-        piece.box((0.02, y * (width - arm) / 2, 0.33), (depth - 0.04, arm, 0.54), fabric)
-    for number in range(seats):
-        y = 0.62 * (number - (seats - 1) / 2)
+    for side in (-1, 1):
+        piece.box((0.02, side * (width - arm) / 2, 0.33), (depth - 0.04, arm, 0.54), fabric)
+    for y in 0.62 * (np.arange(seats) - (seats - 1) / 2):
         piece.box((0.12, y, (seat + 0.26) / 2), (depth - 0.26, 0.6, seat - 0.26), cushion)
         piece.box((-depth / 2 + 0.27, y, seat + 0.17), (0.12, 0.54, 0.3), cushion)
-        piece.seats.append((depth / 2 - SEAT_INSET, y, seat))
+        piece.seats.append((depth / 2 - SEAT_INSET, float(y), seat))
     return piece
 
 
 def bed(rng: np.random.Generator) -> Piece:
-    """A bed whose headboard stands at a wall; people sit on its sides."""
+    """A bed whose headboard stands at a wall; people sit on its foot."""
     wood, sheet, blanket = _wood(rng), Material((0.92, 0.91, 0.88)), _fabric(rng)
     width, length, top = float(rng.choice([0.9, 1.4, 1.6])), rng.uniform(1.95, 2.1), rng.uniform(0.42, 0.52)
     piece = Piece("bed", against_wall=True)
@@ -213,7 +140,7 @@ def cabinet(rng: np.random.Generator) -> Piece:
     piece = Piece("cabinet", against_wall=True, top=height if low else 1.1)
     piece.box((0, 0, height / 2 + 0.03), (depth, width, height - 0.06), wood)
     piece.box((-0.02, 0, 0.03), (depth - 0.08, width - 0.06, 0.06), Material((0.12, 0.1, 0.1)))
-    door = Material(shade(wood.colour, 1.12), wood.colour, "wood", 0.07)
+    door = Material(shade(wood.colour, 1.1), shade(wood.colour, 0.95), wood.pattern, wood.scale)
     columns, rows = max(2, round(width / 0.5)), 3 if low else 1
     wide, tall = (width - 0.04) / columns, (height - 0.1) / rows
     for column in range(columns):

@@ -43,8 +43,8 @@ def _plain(places: np.ndarray) -> np.ndarray:
 
 
 def _wood(places: np.ndarray) -> np.ndarray:
-    grain = places[:, 1] + places[:, 2] + 0.25 * np.sin(places[:, 0] * 0.7 + np.sin(3.1 * places[:, 1]))
-    return 0.5 + 0.5 * np.sin(grain * 6.0)
+    grain = places[:, 0] + places[:, 2] + 0.35 * np.sin(places[:, 1] * 0.5 + np.sin(1.7 * places[:, 0]))
+    return 0.5 + 0.3 * np.sin(grain * 6.0) + 0.2 * np.sin(grain * 17.0)
 
 
 def _planks(places: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ STILL = 0.35
 def sheet(cache: WindowCache, path: Path, count: int = 12, columns: int = 3) -> None:
     """Writes a PNG of windows spread over the splits, rendered again at the paper's size.
 
-    Skeletons every 13 frames go from dark (start) to bright (end); the line is the root's way.
+    The picture shows the start; skeletons every 13 frames after it go from dark to bright, the line is the root's way.
 
     Args:
         cache: of rooms.
@@ -83,7 +83,7 @@ def _projected(cache: WindowCache, row: int) -> Float[np.ndarray, "65 19 2"]:
 def _draw(axes: Axes, joints: Float[np.ndarray, "65 19 2"]) -> None:
     """Skeletons and the root's way, coloured by time."""
     colours = matplotlib.colormaps["plasma"]
-    for frame in range(0, len(joints), EVERY):
+    for frame in range(EVERY, len(joints), EVERY):
         bones = joints[frame][GTA_IM_19.bone_index]
         axes.add_collection(LineCollection(list(bones), colors=[colours(frame / len(joints))], linewidths=1.3))
     root = joints[:, ROOT]

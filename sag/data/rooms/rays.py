@@ -27,6 +27,11 @@ class Hits(NamedTuple):
     normal: Float[np.ndarray, "n 3"]
 
 
+def dot(a: Float[np.ndarray, "n d"], b: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " n"]:
+    """Row by row scalar product."""
+    return np.einsum("nd,nd->n", a, b)
+
+
 class RayScene:
     """Triangles (metres, world frame) that rays can be sent against."""
 
@@ -40,8 +45,8 @@ class RayScene:
         origins = np.broadcast_to(origin.astype(np.float32), directions.shape).copy()
         found = self._scene.run(origins, directions, output=True)
         normal = found["Ng"]
-        length = np.sqrt((normal * normal).sum(axis=1))
-        normal *= (np.sign(-(normal * directions).sum(axis=1)) / np.maximum(length, 1e-12))[:, None]
+        length = np.sqrt(dot(normal, normal))
+        normal *= (np.sign(-dot(normal, directions)) / np.maximum(length, 1e-12))[:, None]
         distance = found["tfar"]
         distance[found["primID"] < 0] = np.inf
         return Hits(distance, found["primID"], normal)

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
 from sag.data.cache import DEPTH_UNIT, PERSON
 from sag.data.rooms.cameras import Camera
-from sag.data.rooms.rays import SKIN, RayScene
+from sag.data.rooms.rays import SKIN, RayScene, dot
 from sag.data.rooms.surfaces import Surfaces
 
 AMBIENT, DIFFUSE = 0.46, 0.72
@@ -144,18 +144,20 @@ def _traced(stand: Stand, view: View) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 def brightness(points: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"], stand: Stand) -> np.ndarray:
-    """How bright surfaces are: even light that is stronger from above, and a lamp that casts shadows."""
+    """How bright surfaces are: even light and a lamp that casts shadows."""
     light = stand.light.astype(np.float32)
     way = light - points
-    far = np.sqrt((way * way).sum(axis=1))
-    facing = (normal * way).sum(axis=1) / far
+    far = np.sqrt(dot(way, way))
+    facing = dot(normal, way) / far
     lit = np.flatnonzero(facing > 0)
     start = points[lit] + SKIN * normal[lit]
     hidden = stand.room.rays.hidden(start, light) | stand.person.rays.hidden(start, light)
     lamp = np.zeros(len(points), np.float32)
     seen = lit[~hidden]
     lamp[seen] = facing[seen] / (1 + 0.04 * far[seen] ** 2)
-    return AMBIENT + normal @ (AMBIENT * np.array([0.1, 0.05, 0.15], np.float32)) + DIFFUSE * lamp
+    # Light that floor and walls throw back brightens the ceiling, which the lamp leaves dark.
+    even = AMBIENT + normal @ np.array([0.05, 0.025, 0.07], np.float32) + 0.32 * (normal[:, 2] < -0.95)
+    return even + DIFFUSE * lamp
 
 
 def cloud_depth(

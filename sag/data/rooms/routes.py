@@ -8,7 +8,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from sag.data.rooms.room import CELL, CLEARANCE, HIGHEST_STEP, Room
+from sag.data.rooms.grid import CELL, CLEARANCE, HIGHEST_STEP
+from sag.data.rooms.room import Room
 
 SPACING = 0.05
 """Between the points of a route, metres."""

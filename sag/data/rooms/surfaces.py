@@ -101,7 +101,8 @@ def room_surfaces(room: Room, rng: np.random.Generator) -> Surfaces:
     surfaces = SurfaceList()
     floor = FLOORS[rng.integers(len(FLOORS))]
     for number, patch in enumerate(room.floor):
-        tone = 1.0 - 0.12 * (number % 2)
+        # Every other level is darker, so that steps can be told apart.
+        tone = 1.0 - 0.2 * (number % 2)
         material = Material(shade(floor.colour, tone), shade(floor.second, tone), floor.pattern, floor.scale)
         surfaces.add(patch_triangles(patch), FLOOR_ID, material)
     _add_shell(surfaces, room, rng)
@@ -149,7 +150,7 @@ def _decorate(surfaces: SurfaceList, room: Room, axis: int, sign: int, rng: np.r
     middle = base + tall / 2 if kind == "door" else max(base + 0.9 + tall / 2, 1.55)
     colours = rng.uniform(0.15, 0.9, (2, 3))
     fill = {
-        "door": Material((0.72, 0.55, 0.36), (0.55, 0.4, 0.25), "wood", 0.08),
+        "door": Material((0.72, 0.55, 0.36), (0.64, 0.48, 0.31), "wood", 0.12),
         "window": Material((0.75, 0.88, 0.97), (0.9, 0.96, 1.0), "stripes", 0.5),
         "picture": Material(tuple(colours[0].tolist()), tuple(colours[1].tolist()), "leaves", rng.uniform(0.2, 0.5)),
     }[kind]

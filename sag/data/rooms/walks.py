@@ -10,15 +10,17 @@ from jaxtyping import Float
 from sag.data.rooms.acting import SEAT_APPROACH, Actor, Clip
 from sag.data.rooms.cameras import Camera
 from sag.data.rooms.geometry import Seat
+from sag.data.rooms.grid import CLEARANCE
 from sag.data.rooms.person import FRAME_RATE
+from sag.data.rooms.placed import Placed
 from sag.data.rooms.rays import RayScene
-from sag.data.rooms.room import CLEARANCE, Placed, Room
-from sag.data.rooms.routes import Router
+from sag.data.rooms.room import Room
+from sag.data.rooms.routes import SPACING, Router
 
 SHORTEST, LONGEST = 6.0, 9.0
 """Length of a recording, seconds."""
 
-ACTIONS: dict[str, float] = {"walk": 0.56, "stand": 0.15, "reach": 0.13, "sit": 0.16}
+ACTIONS: dict[str, float] = {"walk": 0.5, "stand": 0.15, "reach": 0.13, "sit": 0.22}
 """What people do next, and how often."""
 
 
@@ -67,7 +69,7 @@ class Stage:
         """Some clip from this start; people who begin on a seat leave the start aside."""
         frames = round(rng.uniform(SHORTEST, LONGEST) * FRAME_RATE)
         actor = Actor(self.room, start.position, start.heading)
-        if self._seats and rng.random() < 0.12:
+        if self._seats and rng.random() < 0.15:
             actor.start_seated(self._seats[rng.integers(len(self._seats))], rng.uniform(0.5, 2.0))
             actor.stand_up()
         # Smoothing looks a little beyond the last frame.
@@ -82,24 +84,25 @@ class Stage:
         elif action == "reach" and not actor.has_reached:
             self._reach(actor, rng)
         elif action == "stand":
-            actor.stand(rng.uniform(0.8, 3.2))
+            actor.stand(rng.uniform(1.2, 4.0))
             if rng.random() < 0.4:
                 actor.turn(actor.heading + rng.uniform(-2.2, 2.2))
         else:
             self._walk(actor, rng)
 
     def _walk(self, actor: Actor, rng: np.random.Generator) -> None:
-        """Walks somewhere, rather to places behind obstacles."""
+        """Walks somewhere, rather far away, behind obstacles or to another level."""
         places = self._seen if len(self._seen) and rng.random() < 0.85 else self._places
-        best, longest = None, 0.0
+        best, most = None, 0.0
         for goal in places[rng.integers(len(places), size=3)]:
             way = self.router.route(actor.position, goal)
             if way is None or len(way) < 16:
                 continue
             straight = max(float(np.linalg.norm(way[-1] - way[0])), 0.5)
-            detour = len(way) / straight + 0.3 * min(len(way), 80)
-            if detour > longest:
-                best, longest = way, detour
+            climbed = abs(float(np.subtract(*self.room.geometry.floor_height(way[[0, -1]]))))
+            interest = SPACING * len(way) / straight + min(SPACING * len(way), 4.0) / 4 + 5 * climbed
+            if interest > most:
+                best, most = way, interest
         if best is None:
             actor.stand(0.5)
         else:

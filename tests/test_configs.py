@@ -1,0 +1,62 @@
+"""Every YAML in configs/ is a run: it fits, tests and predicts, laid over the base as the README says."""
+
+from pathlib import Path
+
+import pytest
+
+from sag.cli import main
+
+ROOT = Path(__file__).parent.parent
+CONFIGS = ROOT / "configs"
+ALL = sorted(str(p.relative_to(CONFIGS)) for p in CONFIGS.rglob("*.yaml") if p.name != "base.yaml")
+ROWS = sorted((CONFIGS / "ablations").glob("*.yaml"))
+
+TINY = """
+model: {init_args: {network: {width: 0.05}}}
+data:
+  class_path: toy_data.ToyDataModule
+  init_args: {cache_dir: CACHE, image_size: [36, 64], batch_size: 4}
+trainer: {fast_dev_run: true, default_root_dir: RUN, accelerator: cpu}
+"""
+
+WITHOUT_NETWORK = TINY.replace("model: {init_args: {network: {width: 0.05}}}", "")
+
+
+def command(stage: str, name: str, folder: Path, cache: Path) -> list[str]:
+    """A command that lays one config, and then tiny data, over the base."""
+    text = WITHOUT_NETWORK if name.startswith("methods") else TINY
+    tiny = folder / "tiny.yaml"
+    tiny.write_text(text.replace("CACHE", str(cache)).replace("RUN", str(folder)))
+    configs = [CONFIGS / "base.yaml", CONFIGS / name, tiny]
+    narrow = ["--encoder_width", "0.05"]
+    return [stage, *(part for path in configs for part in ("--config", str(path))), *narrow]
+
+
+@pytest.mark.parametrize("stage", ["fit", "test", "predict"])
+@pytest.mark.parametrize("name", ALL)
+def test_every_config_runs(name: str, stage: str, tmp_path: Path, toy_cache: Path) -> None:
+    if name == "methods/ground_truth.yaml" and stage == "fit":
+        pytest.skip("ground truth has nothing to fit")
+    if name == "methods/erd.yaml" and stage == "predict":
+        pytest.skip("encoders do not make motions")
+    assert main(command(stage, name, tmp_path, toy_cache)) == 0
+
+
+@pytest.mark.parametrize("path", ROWS, ids=lambda p: p.stem)
+def test_a_row_is_four_booleans_and_its_name(path: Path) -> None:
+    import yaml
+
+    from sag.components import Components
+
+    content = yaml.safe_load(path.read_text())
+    assert list(content) == ["components"]
+    assert Components(**content["components"]).letters == "".join(c for c in "mdpc" if c in path.stem) or path.stem
+    assert all(type(v) is bool for v in content["components"].values())
+    assert len(content["components"]) == 4
+
+
+def test_the_base_says_what_it_is() -> None:
+    text = (CONFIGS / "base.yaml").read_text()
+    assert "critic_norm: batch" in text
+    assert "penalty_target: 0.1" in text
+    assert "max_epochs: 150" in text
