@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
 import platform
 import subprocess
@@ -18,18 +17,11 @@ from lightning.pytorch.callbacks import ModelCheckpoint
 
 import sag
 from sag.components import parameter_count
+from sag.files import write_json, write_whole
 from sag.methods.base import Method
 
 PROGRESS_EVERY = 1.0
 """Seconds between two writings of progress.json."""
-
-
-def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Writes a JSON file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    partial.write_text(json.dumps(content, indent=1, sort_keys=True, default=str) + "\n")
-    partial.replace(path)
 
 
 class LastCheckpoint(ModelCheckpoint):
@@ -145,10 +137,12 @@ class PredictionFile(pl.Callback):
         """Writes the file."""
         if not isinstance(pl_module, Method) or not trainer.is_global_zero or not self.parts:
             return
-        arrays = {name: torch.cat([p[name] for p in self.parts]).numpy() for name in self.parts[0]}
+        joined = {name: torch.cat([p[name] for p in self.parts]).numpy() for name in self.parts[0]}
         path = Path(trainer.default_root_dir) / "predictions.npz"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(f".predictions.{os.getpid()}.npz")
-        np.savez_compressed(partial, fps=pl_module.data.fps, skeleton=pl_module.skeleton.name, **arrays)
-        partial.replace(path)
-        print(f"motions {arrays['joints'].shape} are in {path}", flush=True)
+        arrays: dict[str, Any] = {
+            **joined,
+            "fps": np.array(pl_module.data.fps),
+            "skeleton": np.array(pl_module.skeleton.name),
+        }
+        write_whole(path, lambda file: np.savez_compressed(file, **arrays))
+        print(f"motions {joined['joints'].shape} are in {path}", flush=True)

@@ -167,6 +167,6 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         return DataLoader(windows, batch_size=self.eval_batch_size, collate_fn=_whole)
 
 
-def _whole(batch: Batch) -> Batch:
+def _whole(batch: Any) -> Any:
     """Batches come whole from `Windows.__getitems__`."""
     return batch

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from sag.errors import SagError
+from sag.files import write_json
 
 SPLITS = ("train", "val", "test")
 """Names of the splits; the `split` array holds a place in this tuple."""
@@ -46,9 +47,6 @@ ARRAYS: dict[str, tuple[str, str]] = {
 }
 """Every array of a cache: its dtype and what it holds (n windows, m of them with a cloud)."""
 
-Progress = Callable[[float, str], None]
-"""Told how far (0 to 1) a build is and what it does."""
-
 
 def recipe_hash(recipe: Mapping[str, Any]) -> str:
     """A short name for a recipe: equal recipes have equal names."""
@@ -57,15 +55,10 @@ def recipe_hash(recipe: Mapping[str, Any]) -> str:
 
 def sha256_of(path: Path) -> str:
     """Checksum of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest() if hasattr(hashlib, "file_digest") else _slow(file)
-
-
-def _slow(file: Any) -> str:
-    """`hashlib.file_digest` for Python 3.10."""
     digest = hashlib.sha256()
-    while block := file.read(1 << 20):
-        digest.update(block)
+    with path.open("rb") as file:
+        while block := file.read(1 << 20):
+            digest.update(block)
     return digest.hexdigest()
 
 
@@ -153,20 +146,12 @@ def write_cache(
             (partial / name).write_bytes(content)
         written = sorted(p for p in partial.rglob("*") if p.is_file())
         files = {str(p.relative_to(partial)): sha256_of(p) for p in written}
-        text = json.dumps({**index, "files": files}, indent=1, sort_keys=True)
-        _write_synced(partial / "index.json", text.encode())
+        write_json(partial / "index.json", {**index, "files": files})
         shutil.rmtree(folder, ignore_errors=True)
         partial.rename(folder)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
     return WindowCache.open(folder)
-
-
-def _write_synced(path: Path, content: bytes) -> None:
-    with path.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def open_or_build(

@@ -35,7 +35,7 @@ def pixel_centres(height: int, width: int, like: Tensor) -> Float[Tensor, "h w 2
 
 def point_cloud(depth: Float[Tensor, "b h w"], intrinsics: Float[Tensor, "b 3 3"]) -> Float[Tensor, "b h w 3"]:
     """Every pixel of a depth map as a point in the camera frame (metres); the origin where depth is 0."""
-    pixels = pixel_centres(*depth.shape[1:], like=depth)
+    pixels = pixel_centres(depth.shape[1], depth.shape[2], like=depth)
     return unproject(pixels.expand(len(depth), -1, -1, -1), depth, intrinsics)
 
 

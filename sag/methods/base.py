@@ -113,8 +113,9 @@ class Method(pl.LightningModule):
         self._require_trained()
         encoders = self._encoders()
         root = self.skeleton.root_index
-        names = list(self.variants()) if encoders is not None else []
-        self.motion_fid = {name: MotionFID(encoders, root).to(self.device) for name in names}
+        self.motion_fid = (
+            {name: MotionFID(encoders, root).to(self.device) for name in self.variants()} if encoders else {}
+        )
         windows = max(1, len(self.data.cache.rows(split)))
         frames = max(1, min(GENERATED, round(self.evaluation.collision_frames / windows)))
         self.non_collision = NonCollisionRatio(self.skeleton.bone_index, frames=frames).to(self.device)
@@ -143,8 +144,9 @@ class Method(pl.LightningModule):
         for place, (name, sample) in enumerate(self.variants().items()):
             motion = sample(batch, self.generator)
             if name in self.motion_fid:
-                self.motion_fid[name].update(batch.motion.joints, real=True)
                 self.motion_fid[name].update(motion.joints, real=False)
+            if place == 0 and self.motion_fid:
+                self.motion_fid[name].update(batch.motion.joints, real=True)
             if place == 0 and batch.cloud is not None:
                 self.non_collision.update(motion.joints, batch.cloud, batch.index)
 
@@ -158,7 +160,10 @@ class Method(pl.LightningModule):
         self._log("test/non_collision", self.non_collision.compute())
 
     def _finish(self, stage: str) -> None:
+        first = next(iter(self.motion_fid.values()), None)
         for name, metric in self.motion_fid.items():
+            if first is not None and metric is not first:
+                metric.share_real(first)
             self._log("/".join(filter(None, (stage, name, "motion_fid"))), metric.compute())
 
     def _log(self, prefix: str, values: dict[str, Tensor]) -> None:

@@ -45,6 +45,8 @@ class SAG(Method):
         weights: factor on each loss of the generator by its name; 1 where none is given.
     """
 
+    generator_steps: Tensor
+
     def __init__(
         self,
         components: Components | None = None,
@@ -90,7 +92,7 @@ class SAG(Method):
     def prepare(self, motion: Motion) -> None:
         """Takes normalisation from the training split's motion."""
         self.sampler.scale.fit(motion)
-        for averaged in self.averaged:
+        for averaged in self._averages():
             averaged.module.scale.load_state_dict(self.sampler.scale.state_dict())
 
     def configure_optimizers(self) -> tuple[torch.optim.Optimizer, torch.optim.Optimizer]:
@@ -116,8 +118,8 @@ class SAG(Method):
             self._train_generator(fake, seen, depth, losses)
 
     def _train_critics(self, real: Motion, fake: Motion, condition: Condition, depth: DepthMap) -> None:
-        _, optimizer = self.optimizers()  # type: ignore[misc]
-        total, logged = torch.zeros((), device=self.device), {}
+        total = torch.zeros((), device=self.device)
+        logged: dict[str, Tensor] = {}
         for name, critic in self.critics.items():
             real_view, fake_view = critic.view(real, depth), critic.view(fake, depth)
             loss = critic_loss(critic(real_view, condition), critic(fake_view, condition))
@@ -128,33 +130,37 @@ class SAG(Method):
             penalty = gradient_penalty(score, real_view, fake_view, self.penalty_target)
             total = total + loss + self.penalty * penalty
             logged |= {f"train/critic/{name}": loss.detach(), f"train/penalty/{name}": penalty.detach()}
-        self._step(optimizer, total)
+        self._step(1, total)
         self.log_dict(logged)
 
     def _train_generator(self, fake: Motion, condition: Condition, depth: DepthMap, losses: dict[str, Tensor]) -> None:
-        optimizer, _ = self.optimizers()  # type: ignore[misc]
         for parameter in self.critics.parameters():  # type: ignore[attr-defined]
             parameter.requires_grad_(False)
         for name, critic in self.critics.items():
             losses[name] = generator_loss(critic(critic.view(fake, depth), condition))
-        self._step(optimizer, sum(self.weights[name] * loss for name, loss in losses.items()))
+        self._step(0, sum(self.weights[name] * loss for name, loss in losses.items()))
         for parameter in self.critics.parameters():  # type: ignore[attr-defined]
             parameter.requires_grad_(True)
-        for averaged in self.averaged:
+        for averaged in self._averages():
             averaged.update_parameters(self.sampler)
-        self.generator_steps += 1
+        self.generator_steps = self.generator_steps + 1
         self.log_dict({f"train/generator/{name}": loss.detach() for name, loss in losses.items()})
         self.log("train/generator_step", self.generator_steps.float())
 
-    def _step(self, optimizer: Any, loss: Any) -> None:
+    def _step(self, which: int, loss: Any) -> None:
+        optimizer: Any = self.optimizers()[which]  # type: ignore[index]
         optimizer.zero_grad(set_to_none=True)
         self.manual_backward(loss)
         optimizer.step()
 
+    def _averages(self) -> list[Any]:
+        """The averaged sampler, if there is one."""
+        return list(self.averaged)
+
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window, from the averaged generator where there is one."""
-        averaged = next(iter(self.averaged), None)
-        sampler = self.sampler if averaged is None else averaged.module
+        averages = self._averages()
+        sampler = averages[0].module if averages else self.sampler
         return sampler(batch.scene, batch.motion, generator)
 
     def variants(self) -> dict[str, Sample]:

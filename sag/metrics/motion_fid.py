@@ -120,6 +120,10 @@ class MotionFID(Metric):
         with self.sync_context():
             return self._distances()
 
+    def share_real(self, other: MotionFID) -> None:
+        """Takes over the real side of a metric with the same encoders, as it stands now."""
+        self.real_count, self.real_sum, self.real_products = other._side("real")
+
     def reset(self) -> None:
         """Forgets the generated motions, and the real ones unless `reset_real` is False."""
         kept = None if self.reset_real else self._side("real")

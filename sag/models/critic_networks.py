@@ -36,7 +36,7 @@ class GraphCriticNetwork(nn.Module):
         channels = (in_channels, *blocks)
         strides, paddings = (1, 2, 2, 2, 2), (1, 0, 1, 1, 1)  # 65 -> 65 -> 32 -> 16 -> 8 -> 4 frames
         self.blocks = nn.ModuleList(
-            GraphBlock(GraphConv(*channels[i : i + 2], *levels[i : i + 2], strides[i], paddings[i]), norm)
+            GraphBlock(GraphConv(channels[i], channels[i + 1], levels[i], levels[i + 1], strides[i], paddings[i]), norm)
             for i in range(len(blocks))
         )
         self.out = nn.Conv1d(channels[-1], channels[-1], 1)
@@ -102,7 +102,7 @@ class ContextCriticNetwork(nn.Module):
             )
             for i in range(len(blocks) - 1)
         )
-        self.out = nn.Conv2d(*channels[-2:], 3, padding=1)
+        self.out = nn.Conv2d(channels[-2], channels[-1], 3, padding=1)
         self.score = nn.Linear(channels[-1], 1)
 
     def forward(self, x: Float[Tensor, "b n h w"]) -> Float[Tensor, " b"]:

@@ -6,7 +6,6 @@ Sizes are those of Fragkiadaki et al. (ICCV 2015) as its public re-implementatio
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from sag.errors import SagError
+from sag.files import write_whole
 from sag.skeleton import skeleton_named
 
 FRAMES = (16, 32, 64)
@@ -87,7 +87,7 @@ class MotionEncoders(nn.Module):
         self.skeleton = skeleton
         self.joints = len(skeleton_named(skeleton).joints)
         self.width = width
-        self.frames = FRAMES
+        self.frames: tuple[int, ...] = FRAMES
         self.networks = nn.ModuleDict({str(frames): ERD(self.joints, width) for frames in FRAMES})
         self.dimension: int = self.of(FRAMES[0]).dimension
 
@@ -133,16 +133,7 @@ class MotionEncoders(nn.Module):
             "weights": {name: tensor.detach().cpu() for name, tensor in self.state_dict().items()},
         }
         content["sha256"] = _digest(content)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(f"{path.name}.partial-{os.getpid()}")
-        try:
-            with partial.open("wb") as file:
-                torch.save(content, file)
-                file.flush()
-                os.fsync(file.fileno())
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
+        write_whole(path, lambda file: torch.save(content, file))
 
     @classmethod
     def load(cls, path: Path, skeleton: str | None = None, fingerprint: str | None = None) -> MotionEncoders:

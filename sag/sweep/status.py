@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from sag.errors import SagError
+from sag.files import write_json
 
 State = Literal["waiting", "running", "finished", "failed", "interrupted"]
 
@@ -51,10 +52,7 @@ class Status:
 
     def write(self, folder: Path) -> None:
         """Replaces the row's `status.json` whole: a reader never sees half of it."""
-        folder.mkdir(parents=True, exist_ok=True)
-        partial = folder / f"{STATUS}.partial"
-        partial.write_text(json.dumps(asdict(self), indent=1))
-        os.replace(partial, folder / STATUS)
+        write_json(folder / STATUS, asdict(self))
 
     @property
     def seconds(self) -> float | None:

@@ -179,3 +179,11 @@ def test_refuses(encoders, motions):
         metric.compute()
     with pytest.raises(SagError, match="at least 2 sequences"):
         motion_fid_floor(encoders, motions, torch.zeros(48, dtype=torch.long), ROOT)
+
+
+def test_the_real_side_can_be_shared(encoders, motions, others):
+    first, second = MotionFID(encoders, ROOT), MotionFID(encoders, ROOT)
+    first.update(motions, real=True)
+    second.update(others, real=False)
+    second.share_real(first)
+    assert {k: float(v) for k, v in second.compute().items()} == motion_fid(encoders, motions, others)

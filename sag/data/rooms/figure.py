@@ -104,11 +104,13 @@ class _Body:
         rows = [
             (middle - 0.07 * s * up, 0.06, 0.06, 0.0),
             (middle - 0.02 * s * up, 0.165, 0.11, 0.0),
-            (at["root"], 0.165, 0.115, 0.1),
-            (at["spine2"], 0.14, 0.1, 0.4),
+            (at["root"] + 0.03 * s * up, 0.158, 0.11, 0.1),
+            (at["spine2"], 0.138, 0.1, 0.4),
             (at["spine1"], 0.15, 0.105, 0.7),
-            (0.5 * at["spine0"] + 0.5 * at["neck"] - 0.02 * up, 0.18, 0.115, 1.0),
-            (at["neck"] - 0.06 * s * up, 0.16, 0.09, 1.0),
+            (at["spine0"], 0.17, 0.115, 0.9),
+            (0.4 * at["spine0"] + 0.6 * at["neck"], 0.195, 0.115, 1.0),
+            (at["neck"] - 0.045 * s * up, 0.185, 0.085, 1.0),
+            (at["neck"] - 0.01 * s * up, 0.11, 0.065, 1.0),
             (at["neck"] + 0.02 * s * up, 0.055, 0.055, 1.0),
         ]
         rings = []
@@ -116,10 +118,9 @@ class _Body:
             aside = unit((1 - share) * hips + share * shoulders)
             ahead = unit(np.cross(aside, up))
             rings.append(centre + s * (RING[:, :1] * wide * aside + RING[:, 1:] * deep * ahead))
-        lofted = loft(np.stack(rings))
-        belt = len(lofted) * 2 // (len(rows) + 1)
-        self._add(lofted[:belt], self.outfit.trousers)
-        self._add(lofted[belt:], self.outfit.shirt)
+        belt = 3
+        self._add(loft(np.stack(rings[:belt])), self.outfit.trousers)
+        self._add(loft(np.stack(rings[belt - 1 :])), self.outfit.shirt)
 
     def head(self) -> None:
         """Neck, face and hair."""
@@ -141,7 +142,7 @@ class _Body:
         """Upper arm, forearm and hand."""
         shoulder, elbow, wrist = (self.at[f"{side}_{name}"] for name in ("shoulder", "elbow", "wrist"))
         sleeve = self.outfit.shirt if self.outfit.long_sleeves else self.outfit.skin
-        self._limb(shoulder, elbow, (0.062, 0.046), self.outfit.shirt)
+        self._limb(shoulder, elbow, (0.056, 0.044), self.outfit.shirt)
         self._limb(elbow, wrist, (0.043, 0.032), sleeve)
         along = unit(wrist - elbow) * self.scale
         self._limb(wrist + 0.02 * along, wrist + 0.12 * along, (0.036, 0.026), self.outfit.skin)

@@ -13,32 +13,40 @@ from sag.data.rooms.pieces import Piece
 from sag.data.rooms.placed import Placed
 from sag.data.rooms.room import Room
 
+LEAST = 9
+"""A room with fewer pieces is drawn anew."""
+
+MOST = {"plant": 2, "lamp": 2, "bed": 1, "shelf": 3}
+"""Of some pieces a room has no more than this many."""
+
 
 def random_room(rng: np.random.Generator) -> Room:
-    """Some room: 4 to 8 m a side, 8 to 20 pieces, all the free ground in one connected part."""
+    """Some room: 4 to 8 m a side, 9 to 20 pieces, all the free ground in one connected part."""
     while True:
-        size = (rng.uniform(4.2, 8.0), rng.uniform(4.2, 7.5), rng.uniform(2.7, 3.2))
+        size = (rng.uniform(4.2, 7.8), rng.uniform(4.2, 7.0), rng.uniform(2.7, 3.2))
         floor = random_floor(size[:2], rng)
         empty = RoomGeometry(size, floor)
         grid = WalkingGrid(size[:2], empty)
-        wanted = int(np.clip(rng.normal(0.42, 0.06) * size[0] * size[1], 8, 20))
+        wanted = int(np.clip(rng.normal(0.5, 0.07) * size[0] * size[1], LEAST, 20))
         pieces = _furnish(empty, grid, wanted, rng)
-        if len(pieces) >= 8:
+        if len(pieces) >= LEAST:
             return Room(size, floor, tuple(pieces), grid)
 
 
 def _furnish(empty: RoomGeometry, grid: WalkingGrid, wanted: int, rng: np.random.Generator) -> list[Placed]:
+    """Up to this many pieces; the grid loses the ground that they cover."""
     pieces: list[Placed] = []
-    for _ in range(400):
-        if len(pieces) >= wanted:
+    for _ in range(300):
+        if len(pieces) == wanted:
             break
         placed = _placed(random_piece(rng), empty, rng)
-        if _fits(placed, pieces, empty, grid):
-            group = [placed, *_chairs_around(placed, rng)] if placed.piece.name == "table" else [placed]
-            for member in group[: wanted - len(pieces)]:
-                if _fits(member, pieces, empty, grid):
-                    pieces.append(member)
-                    grid.add(member)
+        if not _fits(placed, pieces, empty, grid):
+            continue
+        group = [placed, *_chairs_around(placed, rng)] if placed.piece.name == "table" else [placed]
+        for member in group:
+            if len(pieces) < wanted and _fits(member, pieces, empty, grid):
+                pieces.append(member)
+                grid.add(member)
     return pieces
 
 
@@ -74,7 +82,9 @@ def _chairs_around(table: Placed, rng: np.random.Generator) -> list[Placed]:
 
 
 def _fits(placed: Placed, others: list[Placed], empty: RoomGeometry, grid: WalkingGrid) -> bool:
-    """Whether a piece stands level, inside, touches nothing and leaves the free ground in one part."""
+    """Whether a piece stands level, inside, touches nothing, leaves the free ground in one part, and is no excess."""
+    if sum(other.piece.name == placed.piece.name for other in others) >= MOST.get(placed.piece.name, 20):
+        return False
     ground = placed.ground(0.02)
     if empty.signed_distance_to_walls(placed.ground()).min() < 0 or np.ptp(empty.floor_height(ground)) > 1e-6:
         return False
