@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from jaxtyping import install_import_hook
 
-install_import_hook("sag", "beartype.beartype")
+install_import_hook("sag", "shape_checker.checked")
 
 import pytest
 import torch

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType, TracebackType
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from sag.errors import SagError
 from sag.sweep import process
@@ -45,6 +45,7 @@ class Tracked:
         self.status.write(self.folder)
 
 
+@runtime_checkable
 class Display(Protocol):
     """Shows a sweep to the user."""
 

@@ -106,7 +106,7 @@ def test_a_failed_save_leaves_the_old_file(encoders, tmp_path, monkeypatch):
     def no_room(*_: object) -> None:
         raise OSError("No space left on device")
 
-    monkeypatch.setattr("sag.models.erd.os.fsync", no_room)
+    monkeypatch.setattr("sag.files.os.fsync", no_room)
     with pytest.raises(OSError, match="No space"):
         encoders.save(path, "new")
     assert [p.name for p in tmp_path.iterdir()] == ["encoders.pt"]

@@ -66,7 +66,7 @@ class Camera:
         depth = np.maximum(local[..., 2], 1e-6)
         limit = np.tan(self.field / 2) * share
         inside = (np.abs(local[..., 1]) < depth * limit) & (np.abs(local[..., 0]) < depth * limit * 16 / 9)
-        return inside & (local[..., 2] > NEAREST) & (local[..., 2] < FARTHEST)
+        return np.asarray(inside & (local[..., 2] > NEAREST) & (local[..., 2] < FARTHEST))
 
 
 def random_camera(room: Room, rays: RayScene, rng: np.random.Generator) -> Camera:

@@ -47,12 +47,12 @@ def table(rng: np.random.Generator) -> Piece:
     piece = Piece("table", top=height)
     if rng.random() < 0.25:
         radius = rng.uniform(0.35, 0.6)
-        piece.cylinder((0, 0, height - 0.02), radius, 0.04, wood)
-        piece.cylinder((0, 0, height / 2), 0.05, height - 0.04, wood)
-        piece.cylinder((0, 0, 0.02), 0.5 * radius, 0.04, wood)
+        piece.cylinder((0.0, 0.0, height - 0.02), radius, 0.04, wood)
+        piece.cylinder((0.0, 0.0, height / 2), 0.05, height - 0.04, wood)
+        piece.cylinder((0.0, 0.0, 0.02), 0.5 * radius, 0.04, wood)
         return piece
     depth, width = rng.uniform(0.6, 0.95), rng.uniform(0.9, 1.8)
-    piece.box((0, 0, height - 0.02), (depth, width, 0.04), wood)
+    piece.box((0.0, 0.0, height - 0.02), (depth, width, 0.04), wood)
     piece.legs((depth / 2 - 0.05, width / 2 - 0.05), height - 0.04, 0.06, wood)
     if rng.random() < 0.6:
         piece.cylinder((0.05, rng.uniform(-0.3, 0.3) * width, height + 0.08), 0.06, 0.16, _fabric(rng))
@@ -65,12 +65,12 @@ def chair(rng: np.random.Generator) -> Piece:
     side = rng.uniform(0.42, 0.48)
     piece = Piece("chair", seats=[(0.0, 0.0, seat)])
     piece.legs((side / 2 - 0.025, side / 2 - 0.025), seat - 0.05, 0.04, wood)
-    piece.box((0, 0, seat - 0.025), (side, side, 0.05), _fabric(rng) if rng.random() < 0.5 else wood)
+    piece.box((0.0, 0.0, seat - 0.025), (side, side, 0.05), _fabric(rng) if rng.random() < 0.5 else wood)
     if rng.random() < 0.85:
         back = rng.uniform(0.38, 0.5)
         for y in (-1, 1):
             piece.box((0.02 - side / 2, y * (side / 2 - 0.02), seat + back / 2), (0.035, 0.04, back), wood)
-        piece.box((0.02 - side / 2, 0, seat + 0.72 * back), (0.03, side - 0.06, 0.5 * back), wood)
+        piece.box((0.02 - side / 2, 0.0, seat + 0.72 * back), (0.03, side - 0.06, 0.5 * back), wood)
     return piece
 
 
@@ -82,9 +82,9 @@ def sofa(rng: np.random.Generator) -> Piece:
     depth, seat, arm = rng.uniform(0.8, 0.95), rng.uniform(0.4, 0.46), 0.18
     width, back = 0.62 * seats + 2 * arm, rng.uniform(0.76, 0.9)
     piece = Piece("sofa" if seats > 1 else "armchair", against_wall=seats > 1)
-    piece.box((0.02, 0, 0.16), (depth - 0.04, width - 0.04, 0.2), fabric)
+    piece.box((0.02, 0.0, 0.16), (depth - 0.04, width - 0.04, 0.2), fabric)
     piece.legs((depth / 2 - 0.08, width / 2 - 0.08), 0.06, 0.05, Material((0.15, 0.12, 0.1)))
-    piece.box((-depth / 2 + 0.11, 0, back / 2 + 0.04), (0.22, width, back - 0.08), fabric)
+    piece.box((-depth / 2 + 0.11, 0.0, back / 2 + 0.04), (0.22, width, back - 0.08), fabric)
     for side in (-1, 1):
         piece.box((0.02, side * (width - arm) / 2, 0.33), (depth - 0.04, arm, 0.54), fabric)
     for y in 0.62 * (np.arange(seats) - (seats - 1) / 2):
@@ -99,11 +99,11 @@ def bed(rng: np.random.Generator) -> Piece:
     wood, sheet, blanket = _wood(rng), Material((0.92, 0.91, 0.88)), _fabric(rng)
     width, length, top = float(rng.choice([0.9, 1.4, 1.6])), rng.uniform(1.95, 2.1), rng.uniform(0.42, 0.52)
     piece = Piece("bed", against_wall=True)
-    piece.box((0, 0, 0.16), (length, width, 0.16), wood)
+    piece.box((0.0, 0.0, 0.16), (length, width, 0.16), wood)
     piece.legs((length / 2 - 0.05, width / 2 - 0.05), 0.1, 0.07, wood)
-    piece.box((0, 0, (top + 0.24) / 2), (length - 0.04, width - 0.04, top - 0.24), sheet)
-    piece.box((0.28, 0, top - 0.05), (length - 0.6, width, 0.12), blanket)
-    piece.box((-length / 2 - 0.02, 0, 0.5), (0.06, width + 0.06, 1.0), wood)
+    piece.box((0.0, 0.0, (top + 0.24) / 2), (length - 0.04, width - 0.04, top - 0.24), sheet)
+    piece.box((0.28, 0.0, top - 0.05), (length - 0.6, width, 0.12), blanket)
+    piece.box((-length / 2 - 0.02, 0.0, 0.5), (0.06, width + 0.06, 1.0), wood)
     for y in (-0.25, 0.25) if width > 1 else (0.0,):
         piece.ball((-length / 2 + 0.28, y * width, top + 0.05), (0.36, min(0.6, 0.45 * width + 0.1), 0.16), sheet)
     piece.seats.append((length / 2 - SEAT_INSET, 0.0, top + 0.01))
@@ -116,12 +116,12 @@ def shelf(rng: np.random.Generator) -> Piece:
     width, depth, height = rng.uniform(0.7, 1.4), rng.uniform(0.28, 0.38), rng.uniform(1.4, 2.1)
     piece = Piece("shelf", against_wall=True, top=1.15)
     for y in (-1, 1):
-        piece.box((0, y * (width / 2 - 0.015), height / 2), (depth, 0.03, height), wood)
-    piece.box((-depth / 2 + 0.01, 0, height / 2), (0.02, width - 0.06, height), wood)
+        piece.box((0.0, y * (width / 2 - 0.015), height / 2), (depth, 0.03, height), wood)
+    piece.box((-depth / 2 + 0.01, 0.0, height / 2), (0.02, width - 0.06, height), wood)
     boards = int(height / 0.38)
     spacing = (height - 0.03) / boards
     for number in range(boards + 1):
-        piece.box((0, 0, 0.015 + number * spacing), (depth, width - 0.06, 0.03), wood)
+        piece.box((0.0, 0.0, 0.015 + number * spacing), (depth, width - 0.06, 0.03), wood)
     for number in range(boards):
         tall, share = rng.uniform(0.5, 0.8) * spacing, rng.uniform(0.3, 0.9) * (width - 0.1)
         aside = rng.uniform(-0.5, 0.5) * (width - 0.1 - share)
@@ -138,8 +138,8 @@ def cabinet(rng: np.random.Generator) -> Piece:
     width, depth = rng.uniform(0.8, 1.6), rng.uniform(0.4, 0.55)
     height = rng.uniform(0.75, 1.0) if low else rng.uniform(1.7, 2.0)
     piece = Piece("cabinet", against_wall=True, top=height if low else 1.1)
-    piece.box((0, 0, height / 2 + 0.03), (depth, width, height - 0.06), wood)
-    piece.box((-0.02, 0, 0.03), (depth - 0.08, width - 0.06, 0.06), Material((0.12, 0.1, 0.1)))
+    piece.box((0.0, 0.0, height / 2 + 0.03), (depth, width, height - 0.06), wood)
+    piece.box((-0.02, 0.0, 0.03), (depth - 0.08, width - 0.06, 0.06), Material((0.12, 0.1, 0.1)))
     door = Material(shade(wood.colour, 1.1), shade(wood.colour, 0.95), wood.pattern, wood.scale)
     columns, rows = max(2, round(width / 0.5)), 3 if low else 1
     wide, tall = (width - 0.04) / columns, (height - 0.1) / rows
@@ -156,11 +156,11 @@ def plant(rng: np.random.Generator) -> Piece:
     pot = Material(FABRICS[rng.integers(len(FABRICS))])
     piece = Piece("plant")
     radius, height = rng.uniform(0.14, 0.2), rng.uniform(0.28, 0.42)
-    piece.cylinder((0, 0, height / 2), radius, height, pot)
+    piece.cylinder((0.0, 0.0, height / 2), radius, height, pot)
     stem = rng.uniform(0.2, 0.6)
-    piece.cylinder((0, 0, height + stem / 2), 0.02, stem, Material((0.3, 0.22, 0.12)))
+    piece.cylinder((0.0, 0.0, height + stem / 2), 0.02, stem, Material((0.3, 0.22, 0.12)))
     leaves = Material((0.13, 0.4, 0.14), (0.3, 0.58, 0.22), "leaves", 0.06)
-    for angle in rng.uniform(0, 2 * np.pi) + np.arange(4) * np.pi / 2:
+    for angle in rng.uniform(0.0, 2 * np.pi) + np.arange(4) * np.pi / 2:
         spread = rng.uniform(0.08, 0.14)
         place = (spread * np.cos(angle), spread * np.sin(angle), height + stem + rng.uniform(-0.1, 0.15))
         piece.ball(place, (0.3, 0.3, rng.uniform(0.3, 0.5)), leaves)
@@ -172,9 +172,9 @@ def lamp(rng: np.random.Generator) -> Piece:
     metal = Material((0.2, 0.2, 0.22))
     height = rng.uniform(1.4, 1.75)
     piece = Piece("lamp")
-    piece.cylinder((0, 0, 0.015), 0.15, 0.03, metal)
-    piece.cylinder((0, 0, height / 2), 0.018, height, metal)
-    piece.cylinder((0, 0, height), rng.uniform(0.15, 0.2), 0.28, Material((0.98, 0.92, 0.72)))
+    piece.cylinder((0.0, 0.0, 0.015), 0.15, 0.03, metal)
+    piece.cylinder((0.0, 0.0, height / 2), 0.018, height, metal)
+    piece.cylinder((0.0, 0.0, height), rng.uniform(0.15, 0.2), 0.28, Material((0.98, 0.92, 0.72)))
     return piece
 
 

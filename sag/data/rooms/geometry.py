@@ -38,7 +38,7 @@ class Solid:
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         local = np.stack([offset[..., 0] * c + offset[..., 1] * s, offset[..., 1] * c - offset[..., 0] * s], axis=-1)
         outside = np.abs(np.concatenate([local, offset[..., 2:]], axis=-1)) - np.array(self.half[:axes])
-        return np.linalg.norm(outside.clip(0), axis=-1) + outside.max(axis=-1).clip(max=0)
+        return np.asarray(np.linalg.norm(outside.clip(0), axis=-1) + outside.max(axis=-1).clip(max=0))
 
 
 @dataclass(frozen=True)
@@ -100,17 +100,17 @@ class RoomGeometry:
 
     def floor_height(self, points: Float[np.ndarray, "*any 2"]) -> Float[np.ndarray, "*any"]:
         """Height of the floor under points over the ground, metres; 0 outside the room."""
-        return np.max([np.zeros(points.shape[:-1]), *(patch.height(points) for patch in self.floor)], axis=0)
+        heights = [np.zeros(points.shape[:-1]), *(patch.height(points) for patch in self.floor)]
+        return np.asarray(np.max(heights, axis=0))
 
     def signed_distance_to_walls(self, points: Float[np.ndarray, "*any d"]) -> Float[np.ndarray, "*any"]:
         """Distance to the nearest wall, negative outside the room (metres)."""
-        return (np.array(self.size[:2]) / 2 - np.abs(points[..., :2])).min(axis=-1)
+        return np.asarray((np.array(self.size[:2]) / 2 - np.abs(points[..., :2])).min(axis=-1))
 
     def signed_distance(self, points: Float[np.ndarray, "*any 3"]) -> Float[np.ndarray, "*any"]:
         """Distance to the nearest furniture or wall, negative inside (metres)."""
-        return np.min(
-            [self.signed_distance_to_walls(points), *(s.signed_distance(points) for s in self.solids)], axis=0
-        )
+        distances = [self.signed_distance_to_walls(points), *(s.signed_distance(points) for s in self.solids)]
+        return np.asarray(np.min(distances, axis=0))
 
     def to_json(self) -> bytes:
         """The file that `from_json` reads."""

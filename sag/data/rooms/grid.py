@@ -61,7 +61,7 @@ class WalkingGrid:
         """Values of the cells that points over the ground fall in."""
         size = np.array(self.height.shape)
         cells = np.floor((points - self.points[0, 0]) / CELL + 0.5).astype(int).clip(0, size - 1)
-        return values[cells[..., 0], cells[..., 1]]
+        return np.asarray(values[cells[..., 0], cells[..., 1]])
 
 
 def _distance(marked: Bool[np.ndarray, "rows columns"]) -> Float[np.ndarray, "rows columns"]:

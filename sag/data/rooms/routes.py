@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 from scipy.ndimage import gaussian_filter1d
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from sag.data.rooms.grid import CELL, CLEARANCE, HIGHEST_STEP
@@ -35,7 +35,7 @@ class Router:
         self._graph = self._connected()
         self.points = room.grid.points[room.grid.free]
 
-    def _connected(self) -> coo_array:
+    def _connected(self) -> csr_array:
         grid = self.room.grid
         crowded = np.clip((COMFORT - grid.clearance) / (COMFORT - CLEARANCE), 0, 1)
         cost = 1 + 1.5 * crowded + 1.5 * (grid.edge < EDGE)
@@ -82,7 +82,9 @@ def _smoothed(way: Float[np.ndarray, "n 2"], sigma: float) -> Float[np.ndarray, 
     pad = min(len(way) - 1, int(4 * sigma))
     before = 2 * way[0] - way[pad:0:-1]
     after = 2 * way[-1] - way[-2 : -pad - 2 : -1]
-    return gaussian_filter1d(np.concatenate([before, way, after]), sigma, axis=0)[pad : pad + len(way)]
+    smooth = gaussian_filter1d(np.concatenate([before, way, after]), sigma, axis=0)[pad : pad + len(way)]
+    smooth[[0, -1]] = way[[0, -1]]
+    return smooth
 
 
 def _resampled(way: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:

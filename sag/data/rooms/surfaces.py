@@ -130,7 +130,7 @@ def _add_shell(surfaces: SurfaceList, room: Room, rng: np.random.Generator) -> N
         centre[axis], size[axis] = sign * (half[axis] + THICKNESS / 2), THICKNESS
         surfaces.add(_box(tuple(centre), tuple(size)), WALL_ID, Material(colour))
         _decorate(surfaces, room, axis, sign, rng)
-    ceiling = _box((0, 0, height + THICKNESS / 2), (2 * half[0] + 0.2, 2 * half[1] + 0.2, THICKNESS))
+    ceiling = _box((0.0, 0.0, height + THICKNESS / 2), (2 * half[0] + 0.2, 2 * half[1] + 0.2, THICKNESS))
     surfaces.add(ceiling, CEILING_ID, Material((0.95, 0.95, 0.93)))
 
 
