@@ -63,14 +63,13 @@ class TrainingCLI(LightningCLI):
         kind = config.model.class_path
         if config.components is not None and "components" not in config.model.init_args:
             raise SagError(f"--components is set, but {kind} has no components; leave the row's config out")
-        if self.subcommand in ("fit", "run"):
-            torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
 
 
 def train(arguments: list[str]) -> int:
     """Parses and runs; every mistake in options or configs becomes one sentence."""
     logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)  # tips and greetings
     set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
+    torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
     try:
         TrainingCLI(
             datamodule_class=MotionDataModule,
@@ -86,5 +85,6 @@ def train(arguments: list[str]) -> int:
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
     finally:
+        torch.set_flush_denormal(False)
         wandb.finish()
     return 0

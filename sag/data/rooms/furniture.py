@@ -102,7 +102,7 @@ def bed(rng: np.random.Generator) -> Piece:
     piece.box((0.0, 0.0, 0.16), (length, width, 0.16), wood)
     piece.legs((length / 2 - 0.05, width / 2 - 0.05), 0.1, 0.07, wood)
     piece.box((0.0, 0.0, (top + 0.24) / 2), (length - 0.04, width - 0.04, top - 0.24), sheet)
-    piece.box((0.28, 0.0, top - 0.05), (length - 0.6, width, 0.12), blanket)
+    piece.box((0.29, 0.0, top - 0.05), (length - 0.6, width, 0.12), blanket)
     piece.box((-length / 2 - 0.02, 0.0, 0.5), (0.06, width + 0.06, 1.0), wood)
     for y in (-0.25, 0.25) if width > 1 else (0.0,):
         piece.ball((-length / 2 + 0.28, y * width, top + 0.05), (0.36, min(0.6, 0.45 * width + 0.1), 0.16), sheet)

@@ -7,11 +7,11 @@ from jaxtyping import Float
 
 from sag.geometry.kinematics import unit
 
-AROUND = 12
+AROUND = 10
 """Corners of the ring around a limb."""
 
 RING = np.stack([f(np.arange(AROUND) * 2 * np.pi / AROUND) for f in (np.cos, np.sin)], axis=-1)
-_CAPS = np.deg2rad([0, 30, 60, 90])
+_CAPS = np.deg2rad([0, 35, 70])
 
 
 def loft(rings: Float[np.ndarray, "r k 3"]) -> Float[np.ndarray, "n 3 3"]:
@@ -45,7 +45,7 @@ def tapered(start: Float[np.ndarray, " 3"], end: Float[np.ndarray, " 3"], first:
 def ellipsoid(middle: np.ndarray, axes: Float[np.ndarray, "3 3"], radii: Float[np.ndarray, " 3"]) -> np.ndarray:
     """Triangles of an ellipsoid with these axes (rows, of length 1) and radii (metres)."""
     rings = []
-    for angle in np.linspace(-np.pi / 2, np.pi / 2, 9):
+    for angle in np.linspace(-0.44 * np.pi, 0.44 * np.pi, 8):
         flat = np.cos(angle) * (RING[:, :1] * radii[0] * axes[0] + RING[:, 1:] * radii[1] * axes[1])
         rings.append(middle + flat + np.sin(angle) * radii[2] * axes[2])
     return loft(np.stack(rings))

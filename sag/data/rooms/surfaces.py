@@ -154,8 +154,8 @@ def _decorate(surfaces: SurfaceList, room: Room, axis: int, sign: int, rng: np.r
         "window": Material((0.75, 0.88, 0.97), (0.9, 0.96, 1.0), "stripes", 0.5),
         "picture": Material(tuple(colours[0].tolist()), tuple(colours[1].tolist()), "leaves", rng.uniform(0.2, 0.5)),
     }[kind]
-    for depth, rim, material in ((0.02, 0.06, frame), (0.03, 0.0, fill)):
-        centre, size = [0.0, 0.0, middle], [0.0, 0.0, tall - 0.08 + rim]
+    for depth, rim, material in ((0.02, 0.12, frame), (0.03, 0.0, fill)):
+        centre, size = [0.0, 0.0, middle], [0.0, 0.0, tall - 0.12 + rim]
         centre[axis], centre[1 - axis] = sign * (half[axis] - depth / 2), along
-        size[axis], size[1 - axis] = depth, wide - 0.08 + rim
+        size[axis], size[1 - axis] = depth, wide - 0.12 + rim
         surfaces.add(_box(tuple(centre), tuple(size)), WALL_ID, material)
