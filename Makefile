@@ -15,7 +15,7 @@ EXTRA ?=
 
 data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT))
 folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))
-sweep = $(BIN)/sag sweep sweeps/$(1).yaml --out $(call folder,$(1)) --jobs $(JOBS) --seeds $(SEEDS) \
+sweep = $(BIN)/sag sweep sweeps/$(1).yaml --out $(call folder,$(1)) --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) \
 	--config configs/presets/$(PRESET).yaml $(data_options) $(EXTRA) ; status=$$? ; \
 	[ $$status -gt 1 ] && exit $$status ; $(BIN)/sag report $(call folder,$(1)) && exit $$status
 

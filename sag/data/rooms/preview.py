@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import matplotlib
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -24,6 +25,12 @@ EVERY = 13
 STILL = 0.35
 """A root that moves less than this in a window (metres) is said to stand."""
 
+LEVEL = 0.1
+"""One that ends this much higher or lower (metres) climbs."""
+
+TURNS = ("goes", "sits", "climbs", "goes", "stands")
+"""Kinds of windows, in the order in which the sheet shows them."""
+
 
 def sheet(cache: WindowCache, path: Path, count: int = 12, columns: int = 3) -> None:
     """Writes a PNG of windows spread over the splits, rendered again at the paper's size.
@@ -39,31 +46,49 @@ def sheet(cache: WindowCache, path: Path, count: int = 12, columns: int = 3) -> 
     Raises:
         SagError: the cache holds no rooms, or was made by another version.
     """
-    recipe, contact = Recipe.from_dict(cache.index["recipe"]), load_contact(cache)
-    chosen = _spread(cache, count)
+    recipe, kinds = Recipe.from_dict(cache.index["recipe"]), _kinds(cache, load_contact(cache))
+    chosen = _spread(cache, kinds, count)
     lines = -(-len(chosen) // columns)
     figure = Figure(figsize=(columns * 5.2, lines * 3.15), layout="constrained")
     axes = np.ravel(figure.subplots(lines, columns, squeeze=False))
     for place, row in zip(axes, chosen):
         place.imshow(_picture(cache, recipe, int(row)), extent=(0, CLOUD_SIZE[1], CLOUD_SIZE[0], 0))
         _draw(place, _projected(cache, int(row)))
-        place.set_title(_caption(cache, contact, int(row)), fontsize=9)
+        place.set_title(_caption(cache, str(kinds[row]), int(row)), fontsize=9)
     for place in axes:
         place.axis("off")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
 
 
-def _spread(cache: WindowCache, count: int) -> Int[np.ndarray, " n"]:
-    """Rows of windows from all splits: half of them for training, a sixth for validation, the rest for testing."""
-    wanted = (count - count // 6 - count // 3, count // 6, count // 3)
+def _spread(cache: WindowCache, kinds: np.ndarray, count: int) -> Int[np.ndarray, " n"]:
+    """Rows of windows from all splits: half of them for training, a sixth for validation, the rest for testing.
+
+    Each is the middle one, of the kind whose turn it is, in its stretch of the split.
+    """
+    turns = itertools.cycle(TURNS)
     chosen = []
-    for split, number in zip(SPLITS, wanted):
+    for split, number in zip(SPLITS, (count - count // 6 - count // 3, count // 6, count // 3)):
         rows = cache.rows(split)
-        number = min(number, len(rows))
-        # Middle of equal stretches, so that no window is at the edge of a recording.
-        chosen.append(rows[((np.arange(number) + 0.5) * len(rows) / max(number, 1)).astype(int)])
-    return np.concatenate(chosen)
+        for stretch in np.array_split(rows, max(1, min(number, len(rows))))[:number]:
+            wanted = stretch[kinds[stretch] == next(turns)]
+            candidates = wanted if len(wanted) else stretch
+            chosen.append(int(candidates[len(candidates) // 2]))
+    return np.array(chosen)
+
+
+def _kinds(cache: WindowCache, contact: Bool[np.ndarray, "n 65"]) -> np.ndarray:
+    """What happens in each window: one of `TURNS`."""
+    travelled, rise = _way(cache)
+    kinds = np.where(np.abs(rise) > LEVEL, "climbs", np.where(travelled < STILL, "stands", "goes"))
+    return np.where(contact.any(axis=1), "sits", kinds)
+
+
+def _way(cache: WindowCache) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """How far the root travels in each window, and how much higher it ends, metres."""
+    root = np.asarray(cache.joints[:, :, ROOT])
+    travelled = np.linalg.norm(np.diff(root, axis=1), axis=2).sum(axis=1)
+    return travelled, np.einsum("nc,nc->n", root[:, -1] - root[:, 0], cache.world2cam[:, :3, 2])
 
 
 def _picture(cache: WindowCache, recipe: Recipe, row: int) -> np.ndarray:
@@ -95,14 +120,10 @@ def _draw(axes: Axes, joints: Float[np.ndarray, "65 19 2"]) -> None:
     axes.set_ylim(CLOUD_SIZE[0], 0)
 
 
-def _caption(cache: WindowCache, contact: np.ndarray, row: int) -> str:
+def _caption(cache: WindowCache, kind: str, row: int) -> str:
     """Split, room and what happens."""
-    root = cache.joints[row][:, ROOT]
-    travelled = float(np.linalg.norm(np.diff(root, axis=0), axis=1).sum())
-    up = cache.world2cam[row][:3, 2]
-    rise = float((root[-1] - root[0]) @ up)
-    sits = contact[row].any()
-    what = "at a seat" if sits else "stands" if travelled < STILL else f"goes {travelled:.1f} m"
-    level = f", {'up' if rise > 0 else 'down'} {abs(rise):.2f} m" if abs(rise) > 0.1 and not sits else ""
-    split = SPLITS[int(cache.split[row])]
-    return f"{split}, room {int(cache.scene[row])}, frame {int(cache.start[row])}: {what}{level}"
+    travelled, rise = (float(values[row]) for values in _way(cache))
+    level = f", {'up' if rise > 0 else 'down'} {abs(rise):.2f} m"
+    what = {"sits": "at a seat", "stands": "stands", "goes": f"goes {travelled:.1f} m"}
+    said = what.get(kind, f"goes {travelled:.1f} m{level}")
+    return f"{SPLITS[int(cache.split[row])]}, room {int(cache.scene[row])}, frame {int(cache.start[row])}: {said}"
