@@ -14,7 +14,8 @@ RUNS ?= runs
 EXTRA ?=
 
 data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT))
-folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))
+# Runs that do not compare have folders of their own.
+folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
 sweep = $(BIN)/sag sweep sweeps/$(1).yaml --out $(call folder,$(1)) --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) \
 	--config configs/presets/$(PRESET).yaml $(data_options) $(EXTRA) ; status=$$? ; \
 	[ $$status -gt 1 ] && exit $$status ; $(BIN)/sag report $(call folder,$(1)) && exit $$status
@@ -24,6 +25,7 @@ help: ## Show this help.
 	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
 	@echo
 	@echo "  Options: DATA=rooms|gta_im  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3"
 
 $(VENV)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -44,8 +46,8 @@ table1: install ## The six rows of the paper's Table 1.
 	@$(call sweep,table1)
 
 .PHONY: preview
-preview: install ## Draw windows of the synthetic rooms with their motion into preview.png.
-	$(BIN)/sag data rooms --preview preview.png
+preview: install ## Draw windows of the synthetic rooms with their motion into runs/preview.png.
+	$(BIN)/sag data rooms --preview runs/preview.png
 
 .PHONY: test
 test: install ## Run all tests.

@@ -21,6 +21,7 @@ from sag.models.critic_networks import (
     TrajectoryCriticNetwork,
 )
 from sag.models.critics import (
+    CROP_EVERY,
     ContextCritic,
     Critic,
     MotionCritic,
@@ -35,9 +36,10 @@ from sag.models.scale import MotionScale, Units
 from sag.models.scene_depth import ContextDepth, SceneDepth, SupervisedDepth
 from sag.models.scene_encoder import DepthDecoder, SceneEncoder
 from sag.skeleton import Skeleton
+from sag.types import FRAMES
 
-CROPS = 9
-"""Crops that the context critic sees: frames 0, 8, ..., 64."""
+LOSSES = ("depth", "trajectory", "pose", "motion", "projection", "context")
+"""Every loss that a generator may pay, in some row."""
 
 
 @dataclass(frozen=True)
@@ -128,20 +130,22 @@ def build_critics(
     feature = network.generator_sizes.feature
     blocks, norm = network.channels(*BLOCKS), network.critic_norm
 
+    initial_pose = 3 * len(skeleton.joints)
+
     def graph(channels: int) -> GraphCriticNetwork:
         return GraphCriticNetwork(channels + feature, skeleton, norm, blocks)
 
     critics: dict[str, Critic] = {}
     if components.separate:
-        in_channels = 3 + feature + 3 * len(skeleton.joints)
-        critics["trajectory"] = TrajectoryCritic(TrajectoryCriticNetwork(in_channels, norm, blocks), scale)
+        judge = TrajectoryCriticNetwork(3 + feature + initial_pose, norm, blocks)
+        critics["trajectory"] = TrajectoryCritic(judge, scale)
         critics["pose"] = PoseCritic(graph(6), scale)
     else:
-        critics["motion"] = MotionCritic(graph(3), scale)
+        critics["motion"] = MotionCritic(graph(3 + initial_pose), scale)
     if components.projection:
         critics["projection"] = ProjectionCritic(graph(2), scale)
     if components.context:
-        context = ContextCriticNetwork(CROPS, norm, network.channels(*CONTEXT_BLOCKS))
+        context = ContextCriticNetwork(len(range(0, FRAMES, CROP_EVERY)), norm, network.channels(*CONTEXT_BLOCKS))
         critics["context"] = ContextCritic(context, scale, network.crop_scale)
     return critics
 

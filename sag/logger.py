@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import wandb
 from lightning.pytorch.loggers import WandbLogger
+from lightning.pytorch.loggers.logger import rank_zero_experiment
 
 
 class WandbOffline(WandbLogger):
@@ -39,6 +41,16 @@ class WandbOffline(WandbLogger):
             offline=offline,
             settings=wandb.Settings(silent=True, x_disable_stats=True),
         )
+
+    @property
+    @rank_zero_experiment
+    def experiment(self) -> Any:
+        """W&B's run, with the generator's own steps as the axis of training; Lightning counts every optimizer's."""
+        first = self._experiment is None
+        run = super().experiment
+        if first:
+            run.define_metric("train/*", step_metric="train/generator_step")
+        return run
 
     @property
     def log_dir(self) -> str | None:

@@ -59,12 +59,6 @@ class Skeleton:
         return np.array([self.index(parent, child) for parent, child in self.bones])
 
     @cached_property
-    def parents(self) -> tuple[int, ...]:
-        """Place of each joint's parent, -1 for the root."""
-        above = {child: parent for parent, child in self.bones}
-        return tuple(self.joints.index(above[j]) if j in above else -1 for j in self.joints)
-
-    @cached_property
     def mirror(self) -> tuple[int, ...]:
         """The joint on the other side, itself for those in the middle."""
 

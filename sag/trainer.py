@@ -7,6 +7,7 @@ from typing import Any
 import lightning.pytorch as pl
 
 from sag.checkpoints import WholeCheckpoints
+from sag.methods.base import Method
 
 
 class Trainer(pl.Trainer):
@@ -23,6 +24,11 @@ class Trainer(pl.Trainer):
             model: the method.
             datamodule: the data.
             ckpt_path: where an interrupted training goes on.
+
+        Raises:
+            SagError: the test would lack the encoders of Motion FID; said before training and not after it.
         """
+        if isinstance(model, Method) and not self.fast_dev_run:  # type: ignore[attr-defined]
+            model.load_encoders(datamodule)
         self.fit(model, datamodule=datamodule, ckpt_path=ckpt_path)
         self.test(model, datamodule=datamodule)

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from sag.cli import main
+from sag.methods import SAG
 from sag.parsing import one_sentence
 
 CONFIGS = Path(__file__).parent.parent / "configs"
@@ -159,21 +160,27 @@ def test_a_real_run_leaves_everything(base: list[str], tmp_path: Path, capsys: p
     assert "val/motion_fid/average" in capsys.readouterr().out
 
 
-def test_a_checkpoints_own_settings_do_not_overrule_flags(base: list[str], tmp_path: Path) -> None:
+def test_a_checkpoints_own_settings_do_not_overrule_flags(
+    base: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert main(["fit", *base]) == 0
     state = torch.load(tmp_path / "run/checkpoints/last.ckpt", weights_only=True)
     state["hyper_parameters"] = {"penalty": 3.0, "_class_path": "sag.methods.SAG"}
     torch.save(state, tmp_path / "with.ckpt")
+    tested: list[float] = []
+    monkeypatch.setattr(SAG, "on_test_end", lambda method: tested.append(method.penalty))
     options = ["--model.init_args.penalty", "7", "--trainer.default_root_dir", str(tmp_path / "tested")]
     dry = ["--trainer.fast_dev_run", "true", "--ckpt_path", str(tmp_path / "with.ckpt")]
     assert main(["test", *base, *options, *dry]) == 0
-    import yaml
+    assert tested == [7.0]
 
-    from sag.training import TrainingCLI
 
-    assert TrainingCLI._parse_ckpt_path.__doc__
-    shown = yaml.safe_load((tmp_path / "run/config.fit.yaml").read_text())
-    assert shown["model"]["init_args"]["penalty"] == 10.0
+def test_missing_encoders_are_said_before_training(
+    base: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fresh = ["--data.init_args.cache_dir", str(tmp_path / "cache")]
+    assert "methods/erd.yaml" in sentence(capsys, ["run", *base, *fresh])
+    assert not (tmp_path / "run/checkpoints").exists()
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     def prepare_data(self) -> None:
         """Builds the cache when it is missing."""
-        self.build()
+        _ = self.cache
 
     def setup(self, stage: str | None = None) -> None:
         """Opens the cache and refuses a split without windows."""

@@ -29,7 +29,8 @@ class Evaluation:
 
     Attributes:
         seed: of the noise that test and predict draw.
-        collision_frames: frames that the non-collision ratio looks at; the paper's 10,000.
+        collision_frames: about how many frames the non-collision ratio looks at, the same number of every motion,
+            at least 1 and at most all; the paper's 10,000.
         predictions: motions that predict draws for each window.
     """
 
@@ -111,7 +112,7 @@ class Method(pl.LightningModule):
 
     def _lay_out(self, split: str) -> None:
         self._require_trained()
-        encoders = self._encoders()
+        encoders = None if self._only_wiring and not self.data.encoder_path.is_file() else self.load_encoders(self.data)
         root = self.skeleton.root_index
         self.motion_fid = (
             {name: MotionFID(encoders, root).to(self.device) for name in self.variants()} if encoders else {}
@@ -121,12 +122,15 @@ class Method(pl.LightningModule):
         self.non_collision = NonCollisionRatio(self.skeleton.bone_index, frames=frames).to(self.device)
         self.generator = self._noise()
 
-    def _encoders(self) -> MotionEncoders | None:
-        path = self.data.encoder_path
+    def load_encoders(self, data: MotionDataModule) -> MotionEncoders:
+        """The encoders of Motion FID that were trained on this data.
+
+        Raises:
+            SagError: they are missing; the sentence says how to train them.
+        """
+        path = data.encoder_path
         if path.is_file():
-            return MotionEncoders.load(path, self.skeleton.name, self.data.cache.fingerprint)
-        if self._only_wiring:
-            return None
+            return MotionEncoders.load(path, self.skeleton.name, data.cache.fingerprint)
         raise SagError(
             f"Motion FID needs encoders trained on this data, and {path} is not there; train them once with the same "
             "configs and --config configs/methods/erd.yaml after them: sag fit --config ..."

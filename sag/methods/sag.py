@@ -11,6 +11,7 @@ from torch import Generator, Tensor, nn
 from torch.optim.swa_utils import AveragedModel
 
 from sag.components import (
+    LOSSES,
     Components,
     Network,
     build_critics,
@@ -73,16 +74,16 @@ class SAG(Method):
         self.critics: Mapping[str, Critic] = nn.ModuleDict(critics)  # type: ignore[assignment]
         self.averaged = _averaged(self.sampler, average)
         self.register_buffer("generator_steps", torch.zeros((), dtype=torch.int64))
+        self.network = network
         self.learning_rate, self.betas = learning_rate, betas
         self.critic_steps, self.penalty, self.penalty_target = critic_steps, penalty, penalty_target
         self.weights = self._checked(weights)
 
     def _checked(self, weights: dict[str, float]) -> dict[str, float]:
-        known = {*self.critics, "depth"}
         for name in weights:
-            if name not in {*known, "trajectory", "pose", "motion", "projection", "context"}:
-                raise SagError(f"model.init_args.weights names {name!r}; losses are {', '.join(sorted(known))}")
-        return {name: weights.get(name, 1.0) for name in known}
+            if name not in LOSSES:
+                raise SagError(f"model.init_args.weights names {name!r}; losses are {', '.join(LOSSES)}")
+        return {name: weights.get(name, 1.0) for name in LOSSES}
 
     @property
     def trained(self) -> bool:
@@ -90,7 +91,8 @@ class SAG(Method):
         return bool(self.generator_steps > 0)
 
     def prepare(self, motion: Motion) -> None:
-        """Takes normalisation from the training split's motion."""
+        """Takes normalisation from the training split's motion, and says what the scene encoder starts from."""
+        self.print(f"the scene encoder starts from {self.network.imagenet or 'random weights, not from ImageNet'}")
         self.sampler.scale.fit(motion)
         for averaged in self._averages():
             averaged.module.scale.load_state_dict(self.sampler.scale.state_dict())
@@ -105,8 +107,9 @@ class SAG(Method):
         return adam(self.sampler, self.depth), adam(self.critics)
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
-        """Every batch trains the critics, and every `critic_steps`-th one the generator too."""
-        generator_due = (batch_idx + 1) % self.critic_steps == 0
+        """Every batch trains the critics, and every `critic_steps`-th one of the whole fit the generator too."""
+        place = self.trainer.fit_loop.epoch_loop.total_batch_idx  # type: ignore[attr-defined]
+        generator_due = (place + 1) % self.critic_steps == 0
         with torch.set_grad_enabled(generator_due):
             condition = self.sampler.condition(batch.scene, batch.motion)
             depth, losses = self.depth(condition.feature, batch.scene)

@@ -91,6 +91,10 @@ class MotionCritic(Critic):
         joints = motion.trajectory[:, :, None] + motion.pose
         return ((joints - self.scale.motion_mean) / self.scale.motion_std).permute(0, 2, 3, 1)
 
+    def forward(self, view: Float[Tensor, "b j 3 65"], condition: Condition) -> Float[Tensor, " b"]:
+        """Scores given f and the initial pose, as the trajectory critic has them where M is on."""
+        return self.network(view, torch.cat([condition.feature, condition.initial_pose], dim=1))
+
 
 class ProjectionCritic(Critic):
     """P, Table 8: X as the camera sees it, so that size and place in the picture must fit (paper, 3.3.1)."""

@@ -8,6 +8,7 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sag.errors import SagError
 from sag.letters import LETTERS, row_name
 from sag.report.results import GROUND_TRUTH, PREPARATIONS, Result
 
@@ -85,6 +86,10 @@ def lines_of(results: Sequence[Result]) -> list[Line]:
 
 def _line(name: str, results: Sequence[Result]) -> Line:
     finished = [result for result in results if result.finished]
+    seeds = [result.seed for result in finished]
+    if len(set(seeds)) < len(seeds):
+        runs = ", ".join(result.name for result in finished)
+        raise SagError(f"row {name} has several runs of one seed ({runs}); move all but one of them away")
     names = dict.fromkeys(metric for result in finished for metric in result.metrics)
     figures = {n: Figure.of([r.metrics.get(n, math.nan) for r in finished]) for n in names}
     components = next((r.components for r in [*finished, *results] if r.components), None)

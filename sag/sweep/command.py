@@ -17,8 +17,8 @@ from sag.sweep.definition import Point, Sweep
 
 MACRO = re.compile(r"\$\{(\w+)\}")
 ENVIRONMENT_MACRO = re.compile(r"\$\{envvar:(\w+)\}")
-ROWS_ONLY = ("model.", "components.")
-"""Keys that a preparation does not know: its method is another."""
+ROWS_ONLY = ("model.", "components.", "trainer.max_", "trainer.limit_")
+"""Keys that a preparation is not given: its method is another, and encoders of a shortened run would be kept."""
 
 
 @dataclass(frozen=True)

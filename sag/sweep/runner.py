@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import subprocess
 import time
@@ -43,6 +44,10 @@ class Tracked:
         """Changes the status, here and on disk."""
         self.status = replace(self.status, **changes)
         self.status.write(self.folder)
+
+
+REPLACED = "replaced"
+"""Folder beside the rows that keeps those which another command or config has taken the place of."""
 
 
 @runtime_checkable
@@ -102,7 +107,13 @@ def track(rows: Sequence[Row], out: Path) -> list[Tracked]:
 
 
 def _make_way(before: Status | None, folder: Path) -> None:
-    if before:
+    """Ends what was left running; what had finished under another command is moved, not emptied."""
+    if before and before.state == "finished" and (folder / METRICS).is_file():
+        kept = folder.parent / REPLACED / f"{folder.name}-{before.command_hash[:8]}"
+        shutil.rmtree(kept, ignore_errors=True)
+        kept.parent.mkdir(exist_ok=True)
+        folder.rename(kept)
+    elif before:
         process.stop_leftover(before)
     elif folder.is_dir() and any(folder.iterdir()):
         raise SagError(f"{folder} holds files that no sweep wrote; move them away or choose another --out")

@@ -44,6 +44,12 @@ def test_critic_steps_delay_the_generator(toy: ToyDataModule, tmp_path: Path) ->
     assert int(trained(toy, tmp_path, critic_steps=2).generator_steps) == 1
 
 
+def test_critic_steps_are_counted_over_epochs(toy: ToyDataModule, tmp_path: Path) -> None:
+    made = method(toy, critic_steps=3)
+    trainer(tmp_path, epochs=3).fit(made, toy)  # 2 batches an epoch
+    assert int(made.generator_steps) == 2
+
+
 def test_the_average_follows_the_generator(toy: ToyDataModule, tmp_path: Path) -> None:
     made = trained(toy, tmp_path, average=0.5)
     raw, averaged = made.sampler, made.averaged[0].module
@@ -116,7 +122,8 @@ def test_untrained_weights_are_not_tested(toy: ToyDataModule, tmp_path: Path) ->
         trainer(tmp_path).test(method(toy), toy, verbose=False)
 
 
-def test_a_missing_encoder_is_named_with_the_way_out(toy: ToyDataModule, tmp_path: Path) -> None:
+def test_a_missing_encoder_is_named_with_the_way_out(tmp_path: Path) -> None:
+    toy = ToyDataModule(tmp_path / "cache")
     made = trained(toy, tmp_path)
     with pytest.raises(SagError, match=r"erd-toy-.*methods/erd\.yaml"):
         trainer(tmp_path).test(made, toy, verbose=False)

@@ -27,7 +27,7 @@ def test_seeds_of_a_row_are_one_line(runs):
 
 def test_one_seed_with_nan_makes_the_figure_nan(runs):
     runs.add("m-s0", 10.0)
-    runs.add("m-s1", math.nan)
+    runs.add("m-s1", math.nan, seed=1)
     (line,) = lines_of(read_results(runs.folder))
     assert math.isnan(line.figures["motion_fid/average"].mean)
 
@@ -123,3 +123,10 @@ def test_a_damaged_file_is_named(runs, text):
     path.write_text(text)
     with pytest.raises(SagError, match=str(path)):
         read_results(runs.folder)
+
+
+def test_one_seed_does_not_count_twice(runs):
+    runs.add("m", 10.0)
+    runs.add("m-s0", 11.0)
+    with pytest.raises(SagError, match="m-s0"):
+        lines_of(read_results(runs.folder))

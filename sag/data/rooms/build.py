@@ -129,16 +129,11 @@ def _npy(array: np.ndarray) -> bytes:
 
 
 def _index(recipe: Recipe, split: np.ndarray, dropped: Counter[str]) -> dict[str, Any]:
-    counts = ", ".join(f"{(split == number).sum()} {name}" for number, name in enumerate(SPLITS))
-    shared = f"test windows: training rooms with other cameras and people, and {recipe.test_rooms} rooms of their own"
     return {
         "name": "rooms",
         "recipe": json.loads(json.dumps(recipe.as_dict())),
         "fps": float(FRAME_RATE),
         "skeleton": GTA_IM_19.name,
         "dropped": dict(sorted(dropped.items())),
-        "notes": [
-            f"{counts} windows; {shared}",
-            "contact.npy tells the frames in which furniture is meant to be touched",
-        ],
+        "notes": [],
     }
