@@ -134,14 +134,15 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         return Motion.from_joints(joints, self.skeleton.root_index)
 
     def describe(self) -> dict[str, Any]:
-        """What a report must know of the data: name, fingerprint, fps, windows of each split."""
+        """What a report must know: name, fingerprint, fps, windows of each split, what was left out, warnings."""
         counts = {split: len(self.cache.rows(split)) for split in ("train", "val", "test")}
         return {
             "name": self.name,
             "fingerprint": self.cache.fingerprint,
             "fps": self.fps,
             "windows": counts,
-            "notes": list(self.cache.index.get("notes", [])),
+            "dropped": dict(self.cache.index["dropped"]),
+            "notes": list(self.cache.index["notes"]),
         }
 
     def train_dataloader(self) -> DataLoader[Batch]:

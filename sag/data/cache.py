@@ -68,7 +68,8 @@ class WindowCache:
 
     Attributes:
         folder: where it lies.
-        index: `name`, `recipe`, `fps`, `skeleton`, `dropped` (reason -> windows), `files` (sha256), `notes`.
+        index: `name`, `recipe`, `fps`, `skeleton`, `dropped` (reason -> windows), `files` (sha256), `notes`
+            (what speaks against the figures, if anything).
     """
 
     folder: Path

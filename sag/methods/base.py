@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import lightning.pytorch as pl
 import torch
@@ -31,11 +31,13 @@ class Evaluation:
         seed: of the noise that test and predict draw.
         collision_frames: about how many frames the non-collision ratio looks at, the same number of every motion,
             at least 1 and at most all; the paper's 10,000.
+        collision_unit: what is clear or not; a motion is not when one of its 64 frames is not.
         predictions: motions that predict draws for each window.
     """
 
     seed: int = 0
     collision_frames: int = 10_000
+    collision_unit: Literal["frame", "motion"] = "frame"
     predictions: int = 1
 
 
@@ -119,7 +121,8 @@ class Method(pl.LightningModule):
         )
         windows = max(1, len(self.data.cache.rows(split)))
         frames = max(1, min(GENERATED, round(self.evaluation.collision_frames / windows)))
-        self.non_collision = NonCollisionRatio(self.skeleton.bone_index, frames=frames).to(self.device)
+        bones, unit = self.skeleton.bone_index, self.evaluation.collision_unit
+        self.non_collision = NonCollisionRatio(bones, frames=frames, unit=unit).to(self.device)
         self.generator = self._noise()
 
     def load_encoders(self, data: MotionDataModule) -> MotionEncoders:

@@ -71,7 +71,9 @@ def _any(lines: Sequence[Line]) -> Result:
 def _data(result: Result) -> str:
     data = result.data
     windows = ", ".join(f"{count:,} {split}" for split, count in data.get("windows", {}).items())
-    return f"{data.get('name')} (fingerprint {data.get('fingerprint')}), {data.get('fps'):g} fps, windows: {windows}"
+    dropped = ", ".join(f"{count:,} {reason}" for reason, count in data.get("dropped", {}).items()) or "none"
+    known = f"{data.get('name')} (fingerprint {data.get('fingerprint')}), {data.get('fps'):g} fps"
+    return f"{known}, windows: {windows}; left out: {dropped}"
 
 
 def _counts(result: Result) -> str:

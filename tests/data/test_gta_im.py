@@ -45,6 +45,7 @@ def test_one_recording_trains_and_tests_on_the_same_windows_aloud(built, capsys)
     assert all(note in said for note in notes)
     assert any("TRAINING AND TEST WINDOWS ARE THE SAME" in note for note in notes)
     assert any("stride 1 instead of 5" in note for note in notes)
+    assert "6 train, 6 val, 6 test windows; " in said
     starts = [data.cache.start[data.cache.rows(split)].tolist() for split in ("train", "val", "test")]
     assert starts == [list(range(6))] * 3
 

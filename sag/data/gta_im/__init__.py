@@ -96,7 +96,7 @@ class GtaImDataModule(MotionDataModule):
         self._opened: WindowCache | None = None
 
     def build(self) -> WindowCache:
-        """Opens the cache, converting the recordings first when it is missing, and prints its notes.
+        """Opens the cache, converting the recordings first when it is missing, and prints its notes and counts.
 
         Raises:
             SagError: the data set is not where the config says, or has no usable window.
@@ -104,7 +104,8 @@ class GtaImDataModule(MotionDataModule):
         if self._opened is None:
             recipe = self._recipe()
             self._opened = open_or_build(self.cache_dir, self.name, recipe, lambda f: self._convert(f, recipe))
-            for note in self._opened.index["notes"]:
+            index = self._opened.index
+            for note in (*index["notes"], _counted(self._opened.split, Counter(index["dropped"]))):
                 print(f"{self.name}: {note}", flush=True)
         return self._opened
 
@@ -144,7 +145,7 @@ class GtaImDataModule(MotionDataModule):
         with scratch_folder(self.cache_dir) as scratch:
             converted = convert(plan, self.form, Path(scratch))
             dropped = plan.dropped + converted.dropped
-            notes = [*self._rate_notes(), *plan.notes, *converted.notes, _counted(converted.arrays["split"], dropped)]
+            notes = [*self._rate_notes(), *plan.notes, *converted.notes]
             return write_cache(folder, converted.arrays, self._index(recipe, plan, dropped, notes))
 
     def _index(self, recipe: dict[str, Any], plan: Plan, dropped: Counter[str], notes: list[str]) -> dict[str, Any]:
