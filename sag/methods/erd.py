@@ -60,6 +60,8 @@ class ERDTraining(pl.LightningModule):
     def setup(self, stage: str) -> None:
         """Takes the statistics of the training split, or ends the fit where encoders are there and are kept.
 
+        To validate or test, the encoders of this data are read.
+
         Raises:
             SagError: the data set has another skeleton, or encoders to keep are damaged or of another width.
         """
@@ -70,6 +72,8 @@ class ERDTraining(pl.LightningModule):
             self._keep(path)
         elif stage == "fit":
             self.encoders.set_statistics(self._from_first_root(self.data.training_motion.joints[:, 1:]))
+        elif not self.trainer.fast_dev_run:  # type: ignore[attr-defined]
+            self.encoders = MotionEncoders.load(path, name, self.data.cache.fingerprint)
 
     def forward(self, batch: Batch) -> dict[tuple[int, int], Tensor]:
         """Features of the true motions after all 64 frames, by (encoder, length)."""

@@ -63,10 +63,22 @@ def test_a_fast_dev_run_leaves_no_trace(data):
 
 def test_it_can_be_tested_and_gives_features(data):
     training, run = ERDTraining(width=WIDTH), trainer()
+    run.fit(training, data)
     (errors,) = run.test(training, data, verbose=False)
     assert set(errors) == {"test/erd/16", "test/erd/32", "test/erd/64"}
     features = run.predict(training, data)[0]
     assert features[16, 64].shape == (4, training.encoders.dimension)
+
+
+def test_a_test_reads_what_was_trained_on_this_data(data):
+    with pytest.raises(SagError, match=r"erd-toy-.* missing"):
+        trainer().test(ERDTraining(width=WIDTH), data, verbose=False)
+    training = ERDTraining(width=WIDTH)
+    trainer().fit(training, data)
+    fresh = ERDTraining(width=WIDTH)
+    trainer().test(fresh, data, verbose=False)
+    for name, weight in training.encoders.state_dict().items():
+        assert torch.equal(weight, fresh.encoders.state_dict()[name]), name
 
 
 def test_noise_grows_from_the_first_step_to_the_last(data):
