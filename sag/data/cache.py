@@ -6,6 +6,7 @@ renamed when it is whole. `ARRAYS` is its schema.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -48,6 +49,10 @@ ARRAYS: dict[str, tuple[str, str]] = {
 """Every array of a cache: its dtype and what it holds (n windows, m of them with a cloud)."""
 
 
+VERIFIED = "verified.json"
+"""Sizes and times of a cache's files when their checksums were last compared."""
+
+
 def recipe_hash(recipe: Mapping[str, Any]) -> str:
     """A short name for a recipe: equal recipes have equal names."""
     return hashlib.sha256(json.dumps(recipe, sort_keys=True).encode()).hexdigest()[:12]
@@ -79,6 +84,9 @@ class WindowCache:
     def open(cls, folder: Path) -> WindowCache:
         """Reads a cache and checks every file's sha256.
 
+        Files that have not changed in size and time since they were last checked are not read again; without
+        `verified.json` all are.
+
         Raises:
             SagError: it is missing, half written or damaged; the sentence names the file.
         """
@@ -90,9 +98,7 @@ class WindowCache:
             files = dict(index["files"])
         except (ValueError, KeyError, TypeError) as error:
             raise SagError(f"{path} cannot be read ({error}); delete {folder} to have it rebuilt") from error
-        for name, expected in files.items():
-            if not (folder / name).is_file() or sha256_of(folder / name) != expected:
-                raise SagError(f"{folder / name} is damaged or missing; delete {folder} to have it rebuilt")
+        _verify(folder, files)
         return cls(folder, index)
 
     def __len__(self) -> int:
@@ -113,6 +119,33 @@ class WindowCache:
     def rows(self, split: str) -> np.ndarray:
         """Places of the windows of one split."""
         return np.flatnonzero(self.split == SPLITS.index(split))
+
+
+def _verify(folder: Path, files: Mapping[str, str]) -> None:
+    """Compares sizes and times with those of the last full check, and checksums where they differ."""
+    stamps = {name: _stamp(folder / name) for name in files}
+    if None not in stamps.values() and _last_stamps(folder) == stamps:
+        return
+    for name, expected in files.items():
+        if stamps[name] is None or sha256_of(folder / name) != expected:
+            raise SagError(f"{folder / name} is damaged or missing; delete {folder} to have it rebuilt")
+    with contextlib.suppress(OSError):  # a cache that may only be read is checked in full each time
+        write_json(folder / VERIFIED, stamps)
+
+
+def _stamp(path: Path) -> list[int] | None:
+    """Size and time of a file, if it is there."""
+    if not path.is_file():
+        return None
+    found = path.stat()
+    return [found.st_size, found.st_mtime_ns]
+
+
+def _last_stamps(folder: Path) -> object:
+    try:
+        return json.loads((folder / VERIFIED).read_text())
+    except (OSError, ValueError):
+        return None
 
 
 def write_cache(

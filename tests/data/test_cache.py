@@ -7,7 +7,7 @@ import torch
 from toy_data import ToyDataModule
 
 from sag.data.base import Windows
-from sag.data.cache import ARRAYS, PERSON, WindowCache, open_or_build, recipe_hash, write_cache
+from sag.data.cache import ARRAYS, PERSON, WindowCache, open_or_build, recipe_hash, sha256_of, write_cache
 from sag.errors import SagError
 from sag.geometry.camera import project
 from sag.skeleton import GTA_IM_19
@@ -43,6 +43,28 @@ def test_a_flipped_bit_is_noticed_named_and_mended(
         WindowCache.open(cache.folder)
     assert module.build().fingerprint == cache.fingerprint
     assert name in capsys.readouterr().out
+
+
+def test_unchanged_files_are_not_read_again_and_changed_ones_are(
+    module: ToyDataModule, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cache = module.build()
+    read: list[str] = []
+
+    def noting(path: Path) -> str:
+        read.append(path.name)
+        return sha256_of(path)
+
+    monkeypatch.setattr("sag.data.cache.sha256_of", noting)
+    WindowCache.open(cache.folder)
+    assert read == []
+    (cache.folder / "split.npy").touch()
+    WindowCache.open(cache.folder)
+    assert "split.npy" in read
+    (cache.folder / "verified.json").unlink()
+    read.clear()
+    WindowCache.open(cache.folder)
+    assert sorted(read) == sorted(cache.index["files"])
 
 
 def test_a_half_written_folder_is_rebuilt(module: ToyDataModule) -> None:
