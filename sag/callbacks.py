@@ -35,6 +35,11 @@ class LastCheckpoint(ModelCheckpoint):
         self.dirpath = str(Path(trainer.default_root_dir) / "checkpoints")
         super().setup(trainer, pl_module, stage)
 
+    def on_fit_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
+        """Says where the checkpoint is."""
+        if trainer.is_global_zero and self.best_model_path:
+            print(f"the checkpoint is {self.best_model_path}", flush=True)
+
 
 class MetricsFile(pl.Callback):
     """Writes `metrics.json`: the figures of a test with all that is needed to compare them."""
@@ -62,6 +67,7 @@ class MetricsFile(pl.Callback):
         self.seconds["test"] = round(time.monotonic() - self.started, 1)
         folder = Path(trainer.default_root_dir)
         write_json(folder / "metrics.json", self._content(trainer, pl_module, folder.name))
+        print(f"the figures are in {folder / 'metrics.json'}", flush=True)
 
     def _content(self, trainer: pl.Trainer, method: Method, row: str) -> dict[str, Any]:
         figures = {k.removeprefix("test/"): float(v) for k, v in trainer.callback_metrics.items() if "test/" in k}

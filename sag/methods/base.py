@@ -123,6 +123,7 @@ class Method(pl.LightningModule):
         frames = max(1, min(GENERATED, round(self.evaluation.collision_frames / windows)))
         bones, unit = self.skeleton.bone_index, self.evaluation.collision_unit
         self.non_collision = NonCollisionRatio(bones, frames=frames, unit=unit).to(self.device)
+        self.motions = 0
         self.generator = self._noise()
 
     def load_encoders(self, data: MotionDataModule) -> MotionEncoders:
@@ -135,8 +136,8 @@ class Method(pl.LightningModule):
         if path.is_file():
             return MotionEncoders.load(path, self.skeleton.name, data.cache.fingerprint)
         raise SagError(
-            f"Motion FID needs encoders trained on this data, and {path} is not there; train them once with the same "
-            "configs and --config configs/methods/erd.yaml after them: sag fit --config ..."
+            f"Motion FID needs encoders trained on this data, and {path} is not there; train them once by sag fit with "
+            "the same configs and --config configs/methods/erd.yaml as the last of them"
         )
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
@@ -148,6 +149,7 @@ class Method(pl.LightningModule):
         self._score(batch)
 
     def _score(self, batch: Batch) -> None:
+        self.motions += len(batch)
         for place, (name, sample) in enumerate(self.variants().items()):
             motion = sample(batch, self.generator)
             if name in self.motion_fid:
@@ -181,7 +183,7 @@ class Method(pl.LightningModule):
         judged = self.non_collision.sample()
         return {
             "skeleton": self.skeleton.name,
-            "motions": len(self.data.cache.rows("test")),
+            "motions": self.motions,
             "encoders": sha256_of(self.data.encoder_path)[:12] if self.motion_fid else None,
             "collision_frames": judged.tested,
             "cloud_points": judged.density,

@@ -104,9 +104,17 @@ class ERDTraining(pl.LightningModule):
             nn.utils.clip_grad_norm_(network.parameters(), self.clip_norm)
 
     def on_train_end(self) -> None:
-        """Writes the encoders beside the data's cache; a fast dev run leaves no trace."""
-        if self.trainer.is_global_zero and not self.trainer.fast_dev_run:  # type: ignore[attr-defined]
-            self.encoders.save(self.data.encoder_path, self.data.cache.fingerprint)
+        """Writes the encoders beside the data's cache; a fit of fewer batches than there are leaves no trace."""
+        trainer: Any = self.trainer
+        if not trainer.is_global_zero or trainer.fast_dev_run or not self.global_step:
+            return
+        path = self.data.encoder_path
+        limit = trainer.limit_train_batches  # a share of the batches when a float, their number when not
+        if not isinstance(limit, float) or limit < 1:
+            self.print(f"{path} is left as it is: encoders of a limited fit are not kept")
+            return
+        self.encoders.save(path, self.data.cache.fingerprint)
+        self.print(f"the encoders, after {self.global_step} steps, are in {path}")
 
     def _keep(self, path: Path) -> None:
         """Ends the fit before its first step, as whole encoders of this size are there."""

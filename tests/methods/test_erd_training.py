@@ -70,6 +70,15 @@ def test_it_can_be_tested_and_gives_features(data):
     assert features[16, 64].shape == (4, training.encoders.dimension)
 
 
+def test_a_limited_fit_does_not_replace_encoders(data, capsys):
+    trainer().fit(ERDTraining(width=WIDTH), data)
+    before = data.encoder_path.read_bytes()
+    assert str(data.encoder_path) in capsys.readouterr().out
+    trainer(limit_train_batches=1).fit(ERDTraining(width=WIDTH), data)
+    assert data.encoder_path.read_bytes() == before
+    assert "left as it is" in capsys.readouterr().out
+
+
 def test_a_test_reads_what_was_trained_on_this_data(data):
     with pytest.raises(SagError, match=r"erd-toy-.* missing"):
         trainer().test(ERDTraining(width=WIDTH), data, verbose=False)
