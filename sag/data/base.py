@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
-from sag.data.cache import DEPTH_UNIT, PERSON, WindowCache
+from sag.data.cache import DEPTH_UNIT, PERSON, SPLITS, WindowCache
 from sag.errors import SagError
 from sag.skeleton import Skeleton, skeleton_named
 from sag.types import Batch, DepthMap, Motion, Scene
@@ -135,7 +135,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     def describe(self) -> dict[str, Any]:
         """What a report must know: name, fingerprint, fps, windows of each split, what was left out, warnings."""
-        counts = {split: len(self.cache.rows(split)) for split in ("train", "val", "test")}
+        counts = {split: len(self.cache.rows(split)) for split in SPLITS}
         return {
             "name": self.name,
             "fingerprint": self.cache.fingerprint,

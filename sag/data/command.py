@@ -6,10 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from sag.data.rooms import RoomsDataModule
-
-QUICK_SIZE = (72, 128)
-"""Rows and columns of the quick preset's pictures."""
+from sag.data.rooms import Recipe, RoomsDataModule
 
 
 def parser() -> argparse.ArgumentParser:
@@ -18,7 +15,7 @@ def parser() -> argparse.ArgumentParser:
     sets = made.add_subparsers(dest="name", required=True, metavar="DATASET")
     rooms = sets.add_parser("rooms", help="the embedded synthetic rooms", description=RoomsDataModule.__doc__)
     rooms.add_argument("--cache_dir", type=Path, default=Path("data"), metavar="DIR", help="default: data")
-    rooms.add_argument("--image_size", type=int, nargs=2, default=QUICK_SIZE, metavar=("ROWS", "COLUMNS"))
+    rooms.add_argument("--image_size", type=int, nargs=2, default=Recipe.image_size, metavar=("ROWS", "COLUMNS"))
     rooms.add_argument("--seed", type=int, default=0, help="of all that is drawn (default: 0)")
     rooms.add_argument("--workers", type=int, default=2, help="processes that build (default: 2)")
     rooms.add_argument("--preview", type=Path, metavar="FILE.png", help="draw windows with their motion to this file")
@@ -32,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     module = RoomsDataModule(
         cache_dir=asked.cache_dir, image_size=tuple(asked.image_size), seed=asked.seed, workers=asked.workers
     )
-    cache = module.build()
+    cache = module.cache
     counts = ", ".join(f"{count} {split}" for split, count in module.describe()["windows"].items())
     dropped = ", ".join(f"{count} {reason}" for reason, count in cache.index["dropped"].items()) or "none"
     print(f"{cache.folder}: {counts} windows at {module.fps:g} frames a second; dropped: {dropped}")
