@@ -21,8 +21,9 @@ picture scales its intrinsics. Depth is planar z in metres, 0 where it is not kn
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
@@ -154,6 +155,8 @@ class Batch(Tensors):
         scene: picture, depth and camera of frame 0.
         index: place of each window in the data set.
         sequence: the recording each window was cut from.
+        room: the room each window was recorded in.
+        world2cam: takes homogeneous world points (metres, z up, column vectors) to the camera frame of frame 0.
         cloud: depth of frame 0 at the sensor's own resolution without the person; test windows only.
     """
 
@@ -161,7 +164,21 @@ class Batch(Tensors):
     scene: Scene
     index: Int[Tensor, " b"]
     sequence: Int[Tensor, " b"]
+    room: Int[Tensor, " b"]
+    world2cam: Float[Tensor, "b 4 4"]
     cloud: DepthMap | None = None
 
     def __len__(self) -> int:
         return len(self.index)
+
+
+class KnownGeometry(Protocol):
+    """A room whose solids and floor are known exactly; world frame, metres, z up."""
+
+    def signed_distance(self, points: Float[np.ndarray, "*any 3"]) -> Float[np.ndarray, "*any"]:
+        """Distance to the nearest furniture or wall, negative inside."""
+        ...
+
+    def floor_height(self, points: Float[np.ndarray, "*any 2"]) -> Float[np.ndarray, "*any"]:
+        """Height of the floor under points over the ground."""
+        ...

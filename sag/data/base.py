@@ -16,7 +16,7 @@ from torch.utils.data import DataLoader, Dataset
 from sag.data.cache import DEPTH_UNIT, PERSON, SPLITS, WindowCache
 from sag.errors import SagError
 from sag.skeleton import Skeleton, skeleton_named
-from sag.types import Batch, DepthMap, Motion, Scene
+from sag.types import Batch, DepthMap, KnownGeometry, Motion, Scene
 
 
 class Windows(Dataset[Batch]):
@@ -44,8 +44,9 @@ class Windows(Dataset[Batch]):
             intrinsics=_tensor(cache.intrinsics, rows),
         )
         motion = Motion.from_joints(_tensor(cache.joints, rows), self.skeleton.root_index)
-        sequence = _tensor(cache.sequence, rows, np.int64)
-        return Batch(motion, scene, torch.as_tensor(rows), sequence, self._cloud(rows))
+        sequence, room = (_tensor(array, rows, np.int64) for array in (cache.sequence, cache.scene))
+        world2cam = _tensor(cache.world2cam, rows, np.float32)
+        return Batch(motion, scene, torch.as_tensor(rows), sequence, room, world2cam, self._cloud(rows))
 
     def _cloud(self, rows: np.ndarray) -> DepthMap | None:
         if not self.with_cloud:
@@ -158,6 +159,28 @@ class MotionDataModule(pl.LightningDataModule, ABC):
     def test_dataloader(self) -> DataLoader[Batch]:
         """Test windows with their depth clouds, in order."""
         return self._fixed("test", with_cloud=True)
+
+    def elsewhere(self, batch: Batch) -> Batch | None:
+        """For each test window another one, with its cloud, that was recorded in another room.
+
+        A window's partner is always the same, so that every method is judged in the same places.
+
+        Returns:
+            None where all test windows are of one room.
+        """
+        rows = self.cache.rows("test")
+        rooms = self.cache.scene[rows]
+        if len(np.unique(rooms)) < 2:
+            return None
+        partners = []
+        for index, room in zip(batch.index.tolist(), batch.room.tolist()):
+            strangers = np.flatnonzero(rooms != room)
+            partners.append(strangers[np.random.default_rng(index).integers(len(strangers))])
+        return Windows(self.cache, "test", self.skeleton, with_cloud=True).__getitems__(partners)
+
+    def geometry(self, room: int) -> KnownGeometry | None:
+        """Solids and floor of a room, where they are known and not only seen."""
+        return None
 
     def predict_dataloader(self) -> DataLoader[Batch]:
         """The test windows."""

@@ -60,6 +60,20 @@ def recentred(
     return scaled
 
 
+def to_world(points: Float[Tensor, "b ... 3"], world2cam: Float[Tensor, "b 4 4"]) -> Float[Tensor, "b ... 3"]:
+    """Points of the camera frame in the world frame (metres, z up)."""
+    rotation, translation = world2cam[:, :3, :3].to(points), world2cam[:, :3, 3].to(points)
+    offset = points - translation.view(len(points), *(1,) * (points.dim() - 2), 3)
+    return torch.einsum("b...i,bij->b...j", offset, rotation)
+
+
+def to_camera(points: Float[Tensor, "b ... 3"], world2cam: Float[Tensor, "b 4 4"]) -> Float[Tensor, "b ... 3"]:
+    """Points of the world frame (metres, z up) in the camera frame."""
+    rotation, translation = world2cam[:, :3, :3].to(points), world2cam[:, :3, 3].to(points)
+    turned = torch.einsum("b...i,bji->b...j", points, rotation)
+    return turned + translation.view(len(points), *(1,) * (points.dim() - 2), 3)
+
+
 def _spread(intrinsics: Tensor, points: Tensor) -> Tensor:
     """Camera matrices with the middle dimensions of the points, as kornia wants them."""
     middle = (1,) * (points.dim() - 2)

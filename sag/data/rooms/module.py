@@ -7,6 +7,7 @@ from pathlib import Path
 from sag.data.base import MotionDataModule
 from sag.data.cache import WindowCache, open_or_build
 from sag.data.rooms.build import build_rooms
+from sag.data.rooms.geometry import RoomGeometry, load_geometry
 from sag.data.rooms.recipe import Recipe
 from sag.errors import SagError
 from sag.skeleton import GTA_IM_19
@@ -50,6 +51,14 @@ class RoomsDataModule(MotionDataModule):
             raise SagError(f"data.init_args.skeleton must be {GTA_IM_19.name} for rooms, found {skeleton!r}")
         self.recipe = Recipe(seed, train_rooms, test_rooms, views, recordings, self.image_size)
         self.workers = workers
+
+        self.geometries: dict[int, RoomGeometry] = {}
+
+    def geometry(self, room: int) -> RoomGeometry:
+        """Everything solid in a room, read once."""
+        if room not in self.geometries:
+            self.geometries[room] = load_geometry(self.cache, room)
+        return self.geometries[room]
 
     def build(self) -> WindowCache:
         """Opens the cache of the recipe, making the rooms first when it is missing."""
