@@ -25,7 +25,7 @@ help: ## Show this help.
 	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
 	@echo
 	@echo "  Options: DATA=rooms|gta_im  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
-	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3"
+	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3, or of the benchmarks"
 
 $(VENV)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
@@ -53,19 +53,29 @@ preview: install ## Draw windows of the synthetic rooms with their motion into r
 test: install ## Run all tests.
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
+# The peers of the bench extra, without what they want: in a folder of their own, so that nothing installed changes.
+$(VENV)/peers/installed: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --no-deps --upgrade --constraint constraints.txt --target $(VENV)/peers \
+		pytorch-fid clean-fid
+	@touch $@
+
+.PHONY: bench
+bench: install $(VENV)/peers/installed ## Measure the metrics beside their peers; an error when a claim is not met.
+	$(BIN)/python -m benchmarks $(EXTRA)
+
 .PHONY: check
 check: install ## Lint, check types and keep the floors apart.
-	$(BIN)/ruff check sag tests
-	$(BIN)/ruff format --check sag tests
+	$(BIN)/ruff check sag tests benchmarks
+	$(BIN)/ruff format --check sag tests benchmarks
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
 .PHONY: format
 format: install ## Sort imports and format.
-	$(BIN)/ruff check --fix sag tests
-	$(BIN)/ruff format sag tests
+	$(BIN)/ruff check --fix sag tests benchmarks
+	$(BIN)/ruff format sag tests benchmarks
 
 .PHONY: clean
 clean: ## Remove caches of tools; data, runs and the virtual environment stay.
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist
-	find sag tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	find sag tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

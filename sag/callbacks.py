@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
-import numpy as np
 import torch
 from lightning.pytorch.callbacks import ModelCheckpoint
 
 import sag
 from sag.components import parameter_count
-from sag.files import write_json, write_whole
+from sag.data.motion_file import MotionFile, write_motions
+from sag.files import write_json
 from sag.methods.base import Method
 
 PROGRESS_EVERY = 1.0
@@ -124,11 +124,7 @@ class ProgressFile(pl.Callback):
 
 
 class PredictionFile(pl.Callback):
-    """Writes what `predict` sampled to `predictions.npz` and says where it is.
-
-    Arrays: `joints` (n, k, 65, j, 3) metres in the camera frame of frame 0, `index` (n,) place in the data
-    set, `fps`, `skeleton`.
-    """
+    """Writes what `predict` sampled to `predictions.npz`, see `sag.data.motion_file`, and says where it is."""
 
     def __init__(self) -> None:
         self.parts: list[dict[str, torch.Tensor]] = []
@@ -143,12 +139,7 @@ class PredictionFile(pl.Callback):
         """Writes the file."""
         if not isinstance(pl_module, Method) or not trainer.is_global_zero or not self.parts:
             return
-        joined = {name: torch.cat([p[name] for p in self.parts]).numpy() for name in self.parts[0]}
+        joints, index = (torch.cat([part[name] for part in self.parts]).numpy() for name in ("joints", "index"))
         path = Path(trainer.default_root_dir) / "predictions.npz"
-        arrays: dict[str, Any] = {
-            **joined,
-            "fps": np.array(pl_module.data.fps),
-            "skeleton": np.array(pl_module.skeleton.name),
-        }
-        write_whole(path, lambda file: np.savez_compressed(file, **arrays))
-        print(f"motions {joined['joints'].shape} are in {path}", flush=True)
+        write_motions(path, MotionFile(path, joints, index, pl_module.data.fps, pl_module.skeleton.name))
+        print(f"motions {joints.shape} are in {path}", flush=True)

@@ -10,6 +10,7 @@ from sag.errors import SagError
 
 TOOLS = {
     "data": "builds, checks and shows data sets",
+    "score": "every figure of a test for motions from a file",
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
 }
@@ -47,6 +48,8 @@ def _dispatch(arguments: list[str]) -> int:
 def _tool(name: str) -> Callable[[list[str]], int]:
     if name == "data":
         from sag.data.command import main as tool
+    elif name == "score":
+        from sag.score import main as tool
     elif name == "sweep":
         from sag.sweep import main as tool
     else:

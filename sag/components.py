@@ -34,7 +34,7 @@ from sag.models.graph import Norm
 from sag.models.noise import Kernel
 from sag.models.scale import MotionScale, Units
 from sag.models.scene_depth import ContextDepth, SceneDepth, SupervisedDepth
-from sag.models.scene_encoder import DepthDecoder, SceneEncoder
+from sag.models.scene_encoder import BlindEncoder, DepthDecoder, SceneEncoder
 from sag.skeleton import Skeleton
 from sag.types import FRAMES
 
@@ -77,6 +77,7 @@ class Network:
         context_depth: the depth those crops are cut from when D is on.
         feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
         imagenet: local file with torchvision's ImageNet weights of ResNet-18.
+        blind: whether the scene feature is zero: the honest zero of scene awareness.
     """
 
     width: float = 1.0
@@ -87,6 +88,7 @@ class Network:
     context_depth: ContextDepth = "decoded"
     feature_grid: tuple[int, int] = (1, 1)
     imagenet: Path | None = None
+    blind: bool = False
 
     def channels(self, *counts: int) -> tuple[int, ...]:
         """Channels at this width, at least 16 of each."""
@@ -100,8 +102,10 @@ class Network:
         return GeneratorSizes(trajectory, pose, feature, self.channels(*paper.blocks))
 
 
-def build_encoder(network: Network) -> SceneEncoder:
-    """The scene encoder; the same for all rows."""
+def build_encoder(network: Network) -> SceneEncoder | BlindEncoder:
+    """The scene encoder; the same for all rows of the ablation, and none for the blind one."""
+    if network.blind:
+        return BlindEncoder(network.generator_sizes.feature)
     (width,) = network.channels(64)
     return SceneEncoder(network.generator_sizes.feature, width, network.imagenet, network.feature_grid)
 

@@ -21,7 +21,7 @@ picture scales its intrinsics. Depth is planar z in metres, 0 where it is not kn
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 import torch
@@ -172,6 +172,7 @@ class Batch(Tensors):
         return len(self.index)
 
 
+@runtime_checkable
 class KnownGeometry(Protocol):
     """A room whose solids and floor are known exactly; world frame, metres, z up."""
 

@@ -19,6 +19,9 @@ STANDING = np.array(
 )  # fmt: skip
 """A person of 19 joints, metres from the root, y down."""
 
+LEVEL = np.array([[1.0, 0, 0, 0], [0, 0, -1, 1.2], [0, 1, 0, 0], [0, 0, 0, 1]])
+"""A camera 1.2 m over the ground that looks along the horizon; world z is up."""
+
 
 def walks(count: int, generator: np.random.Generator) -> np.ndarray:
     """(count, 65, 19, 3) people who walk straight on with swinging limbs, metres, camera frame."""
@@ -86,9 +89,9 @@ class ToyDataModule(MotionDataModule):
             "depth": depth,
             "ids": ids,
             "intrinsics": intrinsics,
-            "world2cam": np.broadcast_to(np.eye(4), (n, 4, 4)),
+            "world2cam": np.broadcast_to(LEVEL, (n, 4, 4)),
             "split": split,
-            "scene": np.zeros(n, np.int32),
+            "scene": (np.arange(n) // 2 % 2).astype(np.int32),
             "sequence": (np.arange(n) // 2).astype(np.int32),
             "start": np.zeros(n, np.int32),
             "cloud_row": row,

@@ -175,7 +175,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         partners = []
         for index, room in zip(batch.index.tolist(), batch.room.tolist()):
             strangers = np.flatnonzero(rooms != room)
-            partners.append(strangers[np.random.default_rng(index).integers(len(strangers))])
+            partners.append(int(np.random.default_rng(index).choice(strangers)))
         return Windows(self.cache, "test", self.skeleton, with_cloud=True).__getitems__(partners)
 
     def geometry(self, room: int) -> KnownGeometry | None:

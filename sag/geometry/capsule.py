@@ -1,46 +1,65 @@
-"""Capsules: all that lies within a radius of a segment, as a body's bones are measured in a scene."""
+"""Capsules and cylinders: what lies within a radius of a segment, as a body's bones are measured in a scene."""
 
 from __future__ import annotations
+
+from typing import Literal
 
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
+
+Shape = Literal["capsule", "cylinder"]
+"""Of a bone: with round ends, or with flat ends, outside which nothing is inside."""
 
 _SLACK = 1e-6
 """Relative widening of a footprint, far above the rounding of float64 and far below a pixel."""
 
 
 def squared_distance_to_segment(
-    points: Float[Tensor, "... 3"], starts: Float[Tensor, "... 3"], ends: Float[Tensor, "... 3"]
+    points: Float[Tensor, "... 3"],
+    starts: Float[Tensor, "... 3"],
+    ends: Float[Tensor, "... 3"],
+    shape: Shape = "capsule",
 ) -> Float[Tensor, ...]:
     """Squared distance (square metres) of points to segments, all broadcast against each other.
 
-    Coordinates are summed one by one, so a pair of point and segment gives the same bits in any batch.
+    For a cylinder it is infinite where the foot of the perpendicular is not on the segment. A segment without length
+    is a point in either shape. Coordinates are summed one by one, so a pair of point and segment gives the same bits
+    in any batch.
     """
     along = (ends - starts).unbind(-1)
     offset = (points - starts).unbind(-1)
     length = along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
-    share = offset[0] * along[0] + offset[1] * along[1] + offset[2] * along[2]
-    share = (share / length.clamp_min(torch.finfo(length.dtype).tiny)).clamp(0, 1)
+    foot = offset[0] * along[0] + offset[1] * along[1] + offset[2] * along[2]
+    foot = foot / length.clamp_min(torch.finfo(length.dtype).tiny)
+    share = foot.clamp(0, 1)
     x, y, z = (o - share * a for o, a in zip(offset, along))
-    return x * x + y * y + z * z
+    square = x * x + y * y + z * z
+    return square if shape == "capsule" else torch.where(foot == share, square, torch.inf)
 
 
 def points_in_capsules(
-    points: Float[Tensor, "n 3"], starts: Float[Tensor, "m 3"], ends: Float[Tensor, "m 3"], radius: float
+    points: Float[Tensor, "n 3"],
+    starts: Float[Tensor, "m 3"],
+    ends: Float[Tensor, "m 3"],
+    radius: float,
+    shape: Shape = "capsule",
 ) -> Bool[Tensor, " n"]:
-    """Which points lie inside at least one capsule; metres, any one frame for all.
+    """Which points lie inside at least one capsule (or cylinder); metres, any one frame for all.
 
     Example:
         >>> import torch
+        >>> from sag.metrics import points_in_capsules
         >>> bone = torch.tensor([[0.0, 0.0, 2.0]]), torch.tensor([[0.0, 0.5, 2.0]])
         >>> points = torch.tensor([[0.02, 0.3, 2.0], [0.0, 0.54, 2.0], [0.0, 0.56, 2.0]])
         >>> points_in_capsules(points, *bone, radius=0.05)
         tensor([ True,  True, False])
+        >>> points_in_capsules(points, *bone, radius=0.05, shape="cylinder")
+        tensor([ True, False, False])
     """
     inside = torch.zeros(len(points), dtype=torch.bool, device=points.device)
     for start, end in zip(starts, ends):
-        inside |= squared_distance_to_segment(points, start, end) <= radius**2
+        inside |= squared_distance_to_segment(points, start, end, shape) <= radius**2
     return inside
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import lightning.pytorch as pl
 import torch
@@ -14,31 +13,15 @@ from torch import Generator, Tensor
 from sag.data.base import MotionDataModule
 from sag.data.cache import sha256_of
 from sag.errors import SagError
-from sag.metrics import MotionFID, NonCollisionRatio
+from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
+from sag.scoring import Evaluation, Scores
+from sag.scoring.judged import Judged
 from sag.skeleton import skeleton_named
-from sag.types import GENERATED, Batch, Motion
+from sag.types import Batch, Motion
 
 Sample = Callable[[Batch, Generator], Motion]
 """Makes one motion of 65 frames for each window of a batch."""
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """The protocol of testing.
-
-    Attributes:
-        seed: of the noise that test and predict draw.
-        collision_frames: about how many frames the non-collision ratio looks at, the same number of every motion,
-            at least 1 and at most all; the paper's 10,000.
-        collision_unit: what is clear or not; a motion is not when one of its 64 frames is not.
-        predictions: motions that predict draws for each window.
-    """
-
-    seed: int = 0
-    collision_frames: int = 10_000
-    collision_unit: Literal["frame", "motion"] = "frame"
-    predictions: int = 1
 
 
 class Method(pl.LightningModule):
@@ -67,8 +50,12 @@ class Method(pl.LightningModule):
         """Takes what it needs from the true motion of the training split, before training starts."""
 
     def variants(self) -> dict[str, Sample]:
-        """What to test: a prefix of the metrics' names for each way to sample."""
-        return {"": self.sample}
+        """Further ways to sample whose Motion FID is wanted too, by the prefix of its name."""
+        return {}
+
+    def predicted_depth(self, batch: Batch) -> Tensor | None:
+        """What the method takes the depth of the pictures to be (b, h, w), metres, if it has an opinion."""
+        return None
 
     @property
     def data(self) -> MotionDataModule:
@@ -115,15 +102,13 @@ class Method(pl.LightningModule):
     def _lay_out(self, split: str) -> None:
         self._require_trained()
         encoders = None if self._only_wiring and not self.data.encoder_path.is_file() else self.load_encoders(self.data)
-        root = self.skeleton.root_index
-        self.motion_fid = (
-            {name: MotionFID(encoders, root).to(self.device) for name in self.variants()} if encoders else {}
-        )
-        windows = max(1, len(self.data.cache.rows(split)))
-        frames = max(1, min(GENERATED, round(self.evaluation.collision_frames / windows)))
-        bones, unit = self.skeleton.bone_index, self.evaluation.collision_unit
-        self.non_collision = NonCollisionRatio(bones, frames=frames, unit=unit).to(self.device)
-        self.motions = 0
+        self.encoders = encoders and encoders.to(self.device)
+        self.scores = Scores(self.data, split, self.encoders, self.evaluation, self.device)
+        self.further = {
+            name: (MotionFID(encoders, self.skeleton.root_index).to(self.device), self._noise())
+            for name in self.variants()
+            if encoders
+        }
         self.generator = self._noise()
 
     def load_encoders(self, data: MotionDataModule) -> MotionEncoders:
@@ -141,53 +126,46 @@ class Method(pl.LightningModule):
         )
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
-        """Scores held-out windows of the training rooms; they have no cloud, so Motion FID alone."""
+        """Scores held-out windows of the training rooms; they have no cloud, so motion alone."""
         self._score(batch)
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
-        """Scores one motion for each window and each variant; the first variant's is checked for collisions."""
+        """Scores motions for each window; further variants have their Motion FID alone."""
         self._score(batch)
 
-    def _score(self, batch: Batch) -> None:
-        self.motions += len(batch)
-        for place, (name, sample) in enumerate(self.variants().items()):
-            motion = sample(batch, self.generator)
-            if name in self.motion_fid:
-                self.motion_fid[name].update(motion.joints, real=False)
-            if place == 0 and self.motion_fid:
-                self.motion_fid[name].update(batch.motion.joints, real=True)
-            if place == 0 and batch.cloud is not None:
-                self.non_collision.update(motion.joints, batch.cloud, batch.index)
+    def _score(self, batch: Batch) -> Judged:
+        samples = self._samples(batch, self.evaluation.samples)
+        judged = self.scores.update(batch, samples, self.predicted_depth(batch))
+        for name, (metric, noise) in self.further.items():
+            motion = self.variants()[name](batch, noise)
+            metric.update(motion.joints, real=False)
+        return judged
+
+    def _samples(self, batch: Batch, count: int) -> Tensor:
+        """Motions for each window, (b, k, 65, j, 3), metres, camera frame of frame 0."""
+        return torch.stack([self.sample(batch, self.generator).joints for _ in range(count)], dim=1)
 
     def on_validation_epoch_end(self) -> None:
-        """Logs `val/motion_fid/...`."""
+        """Logs `val/motion_fid/...` and the like."""
         self._finish("val")
 
     def on_test_epoch_end(self) -> None:
-        """Logs `test/motion_fid/...` and `test/non_collision/...`; further variants as `test/<name>/...`."""
+        """Logs `test/motion_fid/...` and all else that is on the sheet; further variants as `test/<name>/...`."""
         self._finish("test")
-        self._log("test/non_collision", self.non_collision.compute())
 
     def _finish(self, stage: str) -> None:
-        first = next(iter(self.motion_fid.values()), None)
-        for name, metric in self.motion_fid.items():
-            if first is not None and metric is not first:
-                metric.share_real(first)
-            self._log("/".join(filter(None, (stage, name, "motion_fid"))), metric.compute())
+        self._log(stage, self.scores.compute())
+        for name, (metric, _) in self.further.items():
+            metric.share_real(self.scores.sheet()["motion_fid"])
+            self._log(f"{stage}/{name}/motion_fid", metric.compute())
 
     def _log(self, prefix: str, values: dict[str, Tensor]) -> None:
         self.log_dict({f"{prefix}/{name}": torch.as_tensor(v).float() for name, v in values.items()})
 
     def protocol(self) -> dict[str, Any]:
         """What a reader must know of the last test to compare its figures."""
-        judged = self.non_collision.sample()
-        return {
-            "skeleton": self.skeleton.name,
-            "motions": self.motions,
-            "encoders": sha256_of(self.data.encoder_path)[:12] if self.motion_fid else None,
-            "collision_frames": judged.tested,
-            "cloud_points": judged.density,
-        }
+        encoders = sha256_of(self.data.encoder_path)[:12] if self.encoders else None
+        return {**self.scores.protocol(), "encoders": encoders}
 
     def on_predict_start(self) -> None:
         """Refuses to sample from weights that were never trained."""
@@ -196,8 +174,7 @@ class Method(pl.LightningModule):
 
     def predict_step(self, batch: Batch, batch_idx: int) -> dict[str, Tensor]:
         """Motions for each window: `joints` (b, k, 65, j, 3) in metres, camera frame of frame 0, and `index`."""
-        motions = [self.sample(batch, self.generator).joints for _ in range(self.evaluation.predictions)]
-        return {"joints": torch.stack(motions, dim=1), "index": batch.index}
+        return {"joints": self._samples(batch, self.evaluation.samples), "index": batch.index}
 
 
 def _shape(state: dict[str, Tensor], key: str) -> str:

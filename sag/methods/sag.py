@@ -21,10 +21,11 @@ from sag.components import (
 )
 from sag.errors import SagError
 from sag.losses import critic_loss, generator_loss, gradient_penalty
-from sag.methods.base import Evaluation, Method, Sample
+from sag.methods.base import Method, Sample
 from sag.models.critics import Critic
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
+from sag.scoring import Evaluation
 from sag.types import Batch, Condition, DepthMap, Motion
 
 
@@ -166,9 +167,13 @@ class SAG(Method):
         sampler = averages[0].module if averages else self.sampler
         return sampler(batch.scene, batch.motion, generator)
 
+    def predicted_depth(self, batch: Batch) -> Tensor | None:
+        """Depth decoded from f, where D is on."""
+        return self.depth.decoded(self.sampler.encoder(batch.scene.image))
+
     def variants(self) -> dict[str, Sample]:
-        """The sampling generator, and where that is an average, the raw one beside it."""
-        return {"": self.sample, **({"raw": self.sample_raw} if len(self.averaged) else {})}
+        """The raw generator, where the one that samples is an average."""
+        return {"raw": self.sample_raw} if len(self.averaged) else {}
 
     def sample_raw(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window from the generator as it is, without averaging."""

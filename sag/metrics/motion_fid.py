@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+import warnings
+from typing import Any, Literal, NamedTuple
 
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float
 from torch import Tensor
-from torchmetrics import Metric
 
 from sag.errors import SagError
-from sag.metrics.clips import GROUPS, LENGTHS, ClipEncoders, clips_by_longest
-from sag.metrics.frechet import frechet_distance
-from sag.types import FRAMES
+from sag.metrics.clip_metric import SIDES, ClipMetric
+from sag.metrics.clips import ClipEncoders, ClipFeatures, check_paired, clip_features, grouped, motions_of, picked
+from sag.metrics.frechet import Gaussian
+from sag.types import GENERATED
 
 
 class ClipDistance(NamedTuple):
@@ -32,20 +32,28 @@ class ClipDistance(NamedTuple):
     generated: int
 
 
-class MotionFID(Metric):
+class MotionFID(ClipMetric):
     """Motion FID of generated motions against real ones.
 
     Three encoders, trained to predict the next frame of clips of 16, 32 and 64 frames, see the disjoint clips of 2,
-    4, ..., 64 frames of both sets: 18 Fréchet distances. `short` is their mean over clips of 2 and 4 frames, `mid`
-    of 8 and 16, `long` of 32 and 64, `average` the mean of these three. Plain numbers: the paper names no factor,
-    and only distances under the same encoders compare. They also shrink as sets grow: compare sets of one size.
+    4, ..., 64 frames of both sets: 18 Fréchet distances, each
 
-    State is sums in float64, no lists of features. The encoders are no part of `state_dict`.
+    |m_r - m_g|^2 + tr(C_r + C_g - 2 (C_r^1/2 C_g C_r^1/2)^1/2)
+
+    of the means and covariances of the features. `short` is their mean over clips of 2 and 4 frames, `mid` of 8 and
+    16, `long` of 32 and 64, `average` the mean of these three. Plain numbers: the paper names no factor, and only
+    distances under the same encoders compare. They also shrink as sets grow, so that only sets of one size compare.
+
+    Reacts to poses and paths that true motions do not have, and to a lack of variety. Blind to the scene, to where a
+    motion starts, to the given frame, and nearly so to jitter.
+
+    State is sums in float64, no lists of features: 18 d^2 numbers a side. The encoders are no part of `state_dict`.
 
     Args:
         encoders: see `ClipEncoders`.
         root: place of the root joint.
         reset_real: whether `reset` forgets the real side too; without it one pass over the true motions will do.
+        unequal: what to do about sides of unequal numbers of motions.
         options: of `torchmetrics.Metric`.
 
     Example:
@@ -60,163 +68,128 @@ class MotionFID(Metric):
         {'short': 0.0, 'mid': 0.0, 'long': 0.0, 'average': 0.0}
     """
 
-    higher_is_better = False
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
+    title = "Motion FID"
 
-    def __init__(self, encoders: ClipEncoders, root: int, reset_real: bool = True, **options: Any) -> None:
-        super().__init__(**options)
-        self._encoders = (encoders,)  # in a tuple, or every checkpoint of a run would carry their weights
-        self.root = root
-        self.reset_real = reset_real
-        self._keys = [(frames, length) for frames in encoders.frames for length in LENGTHS]
+    def __init__(
+        self,
+        encoders: ClipEncoders,
+        root: int,
+        reset_real: bool = True,
+        unequal: Literal["refuse", "warn", "ignore"] = "refuse",
+        **options: Any,
+    ) -> None:
+        super().__init__(encoders, root, reset_real, **options)
+        self.unequal = unequal
+        self._known_real: dict[tuple[int, int], Gaussian] = {}
         d = encoders.dimension
-        for side in ("real", "generated"):
-            for name, shape in (("count", ()), ("sum", (d,)), ("products", (d, d))):
-                zeros = torch.zeros(len(self._keys), *shape, dtype=torch.float64)
+        for side in SIDES:
+            for name, shape in (("sum", (d,)), ("products", (d, d))):
+                zeros = torch.zeros(len(self.keys), *shape, dtype=torch.float64)
                 self.add_state(f"{side}_{name}", zeros, dist_reduce_fx="sum")
 
-    @property
-    def encoders(self) -> ClipEncoders:
-        """What makes features of clips."""
-        return self._encoders[0]
-
-    @property
-    def has_real(self) -> bool:
-        """Whether the real side has motions, which `reset_real=False` keeps from epoch to epoch."""
-        return bool(self._side("real")[0].any())
-
-    def update(self, joints: Float[Tensor, "b t j 3"], real: bool) -> None:
-        """Adds motions to one side.
+    def update(self, joints: Float[Tensor, "b t j 3"], real: bool | Bool[Tensor, " b"]) -> None:
+        """Adds motions to the sides they are on.
 
         Args:
             joints: 65 frames, metres, camera frame of frame 0; the given frame 0 is left out.
-            real: whether these are true motions.
+            real: whether these are true motions, for all or for each.
 
         Raises:
             SagError: another number of frames or joints, or a coordinate that is not finite.
         """
-        self._check(joints)
-        added = self._moments(joints[:, 1:])
-        side = "real" if real else "generated"
-        for name, value in zip(("count", "sum", "products"), added):
-            setattr(self, f"{side}_{name}", getattr(self, f"{side}_{name}") + value)
+        self.update_features(clip_features(self.encoders, joints, self.root), real)
+
+    def update_features(self, features: ClipFeatures, real: bool | Bool[Tensor, " b"]) -> None:
+        """Adds motions of which `clip_features` made the features already.
+
+        Args:
+            features: by (encoder, length).
+            real: whether these are true motions, for all or for each.
+
+        Raises:
+            SagError: features that the metric's own encoders do not make.
+        """
+        for side, chosen in self._given(features, real).items():
+            found = picked(features, chosen)
+            wide = [found[key].double().flatten(0, 1) for key in self.keys]
+            self._add(side, "motions", motions_of(found))
+            self._add(side, "sum", torch.stack([x.sum(0) for x in wide]))
+            self._add(side, "products", torch.stack([x.T @ x for x in wide]))
 
     def compute(self) -> dict[str, Tensor]:
         """Motion FID as short, mid, long and average.
 
         Raises:
-            SagError: a side has fewer than two clips.
+            SagError: a side has fewer than two motions, or one has more than the other.
         """
-        return _grouped({key: found.distance for key, found in self._distances().items()})
+        return self._nothing_to_compare() or grouped(self._distances())
 
     def distances(self) -> dict[tuple[int, int], ClipDistance]:
         """All 18 distances by (frames the encoder was trained on, frames of the clips), with d and N.
 
         Raises:
-            SagError: a side has fewer than two clips.
+            SagError: a side has fewer than two motions, or one has more than the other.
         """
         with self.sync_context():
-            return self._distances()
+            self._nothing_to_compare()
+            d, real, generated = self.encoders.dimension, int(self.real_motions), int(self.generated_motions)
+            return {
+                key: ClipDistance(float(found), d, *(count * GENERATED // key[1] for count in (real, generated)))
+                for key, found in self._distances().items()
+            }
 
-    def share_real(self, other: MotionFID) -> None:
-        """Takes over the real side of a metric with the same encoders, as it stands now."""
-        self.real_count, self.real_sum, self.real_products = other._side("real")
+    def __getstate__(self) -> dict[str, Any]:
+        """Leaves out the roots of the real side, which can be had again."""
+        return {**super().__getstate__(), "_known_real": {}}
 
-    def reset(self) -> None:
-        """Forgets the generated motions, and the real ones unless `reset_real` is False."""
-        kept = None if self.reset_real else self._side("real")
-        super().reset()
-        if kept is not None:
-            self.real_count, self.real_sum, self.real_products = kept
+    def _distances(self) -> dict[tuple[int, int], Tensor]:
+        self._mind_unequal()
+        return {
+            key: self._real(place, key).distance(self._gaussian("generated", place, key))
+            for place, key in enumerate(self.keys)
+        }
 
-    def _side(self, side: str) -> tuple[Tensor, Tensor, Tensor]:
-        return tuple(getattr(self, f"{side}_{name}") for name in ("count", "sum", "products"))  # type: ignore
+    def _gaussian(self, side: str, place: int, key: tuple[int, int]) -> Gaussian:
+        motions, total, products = (getattr(self, f"{side}_{name}") for name in ("motions", "sum", "products"))
+        return Gaussian.of_sums(motions * (GENERATED // key[1]), total[place], products[place])
 
-    def _check(self, joints: Tensor) -> None:
-        wanted = (FRAMES, self.encoders.joints)
-        if joints.shape[1:3] != wanted:
-            found = f"{joints.shape[1]} frames of {joints.shape[2]} joints"
-            raise SagError(
-                f"Motion FID needs {wanted[0]} frames of {wanted[1]} joints, as its encoders do, not {found}"
-            )
-        if not joints.isfinite().all():
-            raise SagError("Motion FID was given motions with coordinates that are not finite; leave such motions out")
+    def _real(self, place: int, key: tuple[int, int]) -> Gaussian:
+        """The real side's Gaussian; the one with the root known already if it is the same to the bit."""
+        fresh = self._gaussian("real", place, key)
+        known = self._known_real.get(key)
+        if known is None or not known.same_as(fresh):
+            self._known_real[key] = fresh
+        return self._known_real[key]
 
-    @torch.no_grad()
-    def _moments(self, generated: Tensor) -> list[Tensor]:
-        """Count, sum and sum of outer products of the features of these motions, stacked over the 18 keys."""
-        self.encoders.to(generated.device)
-        features: dict[tuple[int, int], list[Tensor]] = {key: [] for key in self._keys}
-        for longest, clips in clips_by_longest(generated, self.root).items():
-            lengths = [length for length in LENGTHS if length <= longest]
-            for key, found in self.encoders.features(clips, lengths).items():
-                features[key].append(found)
-        wide = [torch.cat(features[key]).double() for key in self._keys]
-        counts = torch.tensor([float(len(x)) for x in wide], dtype=torch.float64, device=generated.device)
-        return [counts, torch.stack([x.sum(0) for x in wide]), torch.stack([x.T @ x for x in wide])]
-
-    def _distances(self) -> dict[tuple[int, int], ClipDistance]:
-        real, generated = self._side("real"), self._side("generated")
-        for name, side in (("real", real), ("generated", generated)):
-            if side[0].min() < 2:
-                raise SagError(f"Motion FID needs at least 2 {name} motions, it was given {int(side[0].min())}")
-        found = {}
-        for index, key in enumerate(self._keys):
-            moments = [_mean_and_covariance(*(x[index] for x in side)) for side in (real, generated)]
-            distance = float(frechet_distance(*moments[0], *moments[1]))
-            sizes = (int(side[0][index]) for side in (real, generated))
-            found[key] = ClipDistance(distance, real[1].shape[1], *sizes)
-        return found
+    def _mind_unequal(self) -> None:
+        real, generated = int(self.real_motions), int(self.generated_motions)
+        if real == generated or self._batch_alone or self.unequal == "ignore":
+            return
+        sentence = (
+            f"Motion FID was given {real} real and {generated} generated motions, and it shrinks as sets grow: "
+            "give both sides equally many, or say unequal='warn'"
+        )
+        if self.unequal == "refuse":
+            raise SagError(sentence)
+        warnings.warn(sentence.partition(":")[0] + ", so compare it with none of other numbers", stacklevel=2)
 
 
-def motion_fid_floor(
-    encoders: ClipEncoders, joints: Float[Tensor, "b t j 3"], sequence: Int[Tensor, " b"], root: int
-) -> dict[str, Tensor]:
-    """Motion FID between two halves of the real motions: what a perfect generator could reach.
-
-    Halves are made of whole sequences, every other one, since the windows of one sequence overlap. They hold half
-    as many motions as the set, so the floor of the whole set lies a little lower.
+def motion_fid_of_features(generated: ClipFeatures, real: ClipFeatures) -> dict[str, Tensor]:
+    """Motion FID of features that `clip_features` made; see `MotionFID`.
 
     Args:
-        encoders: see `ClipEncoders`.
-        joints: 65 frames, metres, camera frame of frame 0.
-        sequence: the recording of each motion.
-        root: place of the root joint.
+        generated: features of generated motions.
+        real: features of as many real ones.
 
     Raises:
-        SagError: fewer than two sequences.
+        SagError: the sides differ in what they hold, or have fewer than two motions.
 
     Example:
         >>> import torch
-        >>> from sag.metrics import motion_fid_floor
-        >>> from sag.models.erd import MotionEncoders
-        >>> motions = torch.randn(16, 65, 19, 3, generator=torch.manual_seed(0))
-        >>> sequence = torch.arange(4).repeat_interleave(4)
-        >>> floor = motion_fid_floor(MotionEncoders("gta_im_19", width=0.01), motions, sequence, root=12)
-        >>> bool(floor["average"] > 0)
-        True
+        >>> features = {(16, length): torch.randn(9, 64 // length, 4) for length in (2, 4, 8, 16, 32, 64)}
+        >>> float(motion_fid_of_features(features, features)["average"].round(decimals=6))
+        0.0
     """
-    rank = torch.unique(sequence, return_inverse=True)[1]
-    if not len(rank) or rank.max() < 1:
-        raise SagError("the floor of Motion FID needs real motions of at least 2 sequences to split them in halves")
-    metric = MotionFID(encoders, root)
-    for half in (0, 1):
-        for chunk in joints[rank % 2 == half].split(256):
-            metric.update(chunk, real=half == 0)
-    return metric.compute()
-
-
-def _mean_and_covariance(count: Tensor, total: Tensor, products: Tensor) -> tuple[Tensor, Tensor]:
-    mean = total / count
-    return mean, (products - count * mean.outer(mean)) / (count - 1)
-
-
-def _grouped(distances: Mapping[tuple[int, int], float]) -> dict[str, Tensor]:
-    """Short, mid and long over encoders and two clip lengths each, and the mean of the three."""
-    found = {
-        name: torch.tensor([d for (_, length), d in distances.items() if length in lengths], dtype=torch.float64).mean()
-        for name, lengths in GROUPS.items()
-    }
-    return {**found, "average": torch.stack(list(found.values())).mean()}
+    check_paired("Motion FID", generated, real)
+    sides = ((side[key].flatten(0, 1) for side in (real, generated)) for key in real)
+    return grouped({key: Gaussian.of(a).distance(Gaussian.of(b)) for key, (a, b) in zip(real, sides)})

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
-from torchmetrics import Metric
 
 from sag.errors import SagError
-from sag.metrics.collisions import collision_counts
-from sag.types import GENERATED, DepthMap
+from sag.geometry.capsule import Shape
+from sag.metrics.clear_frames import RADII, THRESHOLDS, ClearFrames, Clouds, Unit
+from sag.metrics.plotted import PlottedMetric
 
 
 class CollisionSample(NamedTuple):
@@ -28,15 +28,19 @@ class CollisionSample(NamedTuple):
     density: float
 
 
-class NonCollisionRatio(Metric):
+class NonCollisionRatio(PlottedMetric):
     """Share of generated frames whose body touches at most a few points of the scene.
 
-    Bones are capsules; a frame is clear at radius r and threshold n if at most n points of the start frame's depth
-    cloud lie inside. The figure of a radius is the mean over thresholds, `average` the mean over radii. A point
-    that several bones touch counts once.
+    A frame is clear at radius r and threshold n if at most n points p of the start frame's depth cloud lie inside a
+    bone, |{p : min over bones b of d(p, b) <= r}| <= n; a point that several bones touch counts once. The figure of a
+    radius is the mean over thresholds, `average` the mean over radii.
 
     The paper samples 10,000 frames: here each motion gives `frames` of its 64, drawn by `seed` and its index, so
     that every method is judged on the same frames in any order of batches.
+
+    It reacts to bodies that pass through what the sensor saw. It is blind to what the sensor did not see (the far side
+    of furniture, the inside of solids, what is outside the picture), to bodies that float, and to how deep a body
+    lies; it rewards standing still. It falls as clouds get denser, so only clouds of one density compare: see `sample`.
 
     Args:
         bones: places of the two joints of each bone.
@@ -45,8 +49,12 @@ class NonCollisionRatio(Metric):
         frames: sampled from each motion; the paper's 10,000 divided by the number of test motions.
         unit: "frame" judges sampled frames; "motion" all 64, a motion being clear when its worst frame is.
         seed: of the sample.
-        farthest: points beyond this depth (metres) are no points.
+        farthest: pixels of a depth map beyond this depth (metres) are no points.
+        shape: of a bone: "capsule" with round ends, "cylinder" with flat ones.
         options: of `torchmetrics.Metric`.
+
+    Raises:
+        SagError: more frames than are generated, or none.
 
     Example:
         >>> import torch
@@ -66,8 +74,6 @@ class NonCollisionRatio(Metric):
     plot_lower_bound = 0.0
     plot_upper_bound = 1.0
 
-    bones: Tensor
-    thresholds: Tensor
     clear: Tensor
     tested: Tensor
     points: Tensor
@@ -76,48 +82,52 @@ class NonCollisionRatio(Metric):
     def __init__(
         self,
         bones: np.ndarray | Sequence[Sequence[int]],
-        radii: Sequence[float] = (0.030, 0.045, 0.060),
-        thresholds: Sequence[int] = (40, 60, 80, 100),
+        radii: Sequence[float] = RADII,
+        thresholds: Sequence[int] = THRESHOLDS,
         frames: int = 10,
-        unit: Literal["frame", "motion"] = "frame",
+        unit: Unit = "frame",
         seed: int = 0,
         farthest: float = 20.0,
+        shape: Shape = "capsule",
         **options: Any,
     ) -> None:
         super().__init__(**options)
-        if not 1 <= frames <= GENERATED:
-            raise SagError(f"frames of the non-collision ratio must lie in 1 .. {GENERATED}, not {frames}")
-        self.radii, self.frames, self.unit, self.seed, self.farthest = tuple(radii), frames, unit, seed, farthest
-        self.register_buffer("bones", torch.as_tensor(np.asarray(bones)).long(), persistent=False)
-        self.register_buffer("thresholds", torch.tensor(list(thresholds)), persistent=False)
+        self.clear_frames = ClearFrames(
+            "the non-collision ratio",
+            np.asarray(bones),
+            tuple(radii),
+            tuple(thresholds),
+            frames,
+            unit,
+            seed,
+            farthest,
+            shape,
+        )
+        self.add_state("settings", self.clear_frames.settings, dist_reduce_fx="max")
         zero = torch.zeros((), dtype=torch.long)
         self.add_state("clear", zero.expand(len(radii), len(thresholds)).clone(), dist_reduce_fx="sum")
         for name in ("tested", "points", "clouds"):
             self.add_state(name, zero.clone(), dist_reduce_fx="sum")
 
-    def update(self, joints: Float[Tensor, "b t j 3"], cloud: DepthMap, index: Int[Tensor, " b"] | None = None) -> None:
-        """Adds motions and the clouds of their start frames.
+    def update(self, joints: Float[Tensor, "b t j 3"], cloud: Clouds, index: Int[Tensor, " b"] | None = None) -> None:
+        """Adds motions and the scenes around them.
 
         Args:
             joints: 65 frames, metres, camera frame of frame 0; the given frame 0 is left out.
-            cloud: what the depth sensor saw at frame 0, the person removed.
+            cloud: what the depth sensor saw at frame 0, the person removed; or for each motion a point cloud in metres
+                and the frame of its joints, an `IndexedCloud` where the same points are given again.
             index: place of each motion in the data set, which decides its sample; counted on when not given.
 
         Raises:
-            SagError: joints and bones do not fit, or a coordinate is not finite.
+            SagError: joints, bones and clouds do not fit; there is no depth, or a cloud without points, in which
+                nothing could collide; a coordinate is not finite.
         """
-        self._check(joints, cloud)
-        depth = torch.where(cloud.depth <= self.farthest, cloud.depth, 0)
         first = int(self.clouds)
         places = range(first, first + len(joints)) if index is None else index.tolist()
-        for motion, picture, intrinsics, place in zip(joints[:, 1:], depth, cloud.intrinsics, places):
-            chosen = motion[self._chosen(place)]
-            counts = collision_counts(chosen, self.bones, picture, intrinsics, self.radii)
-            if self.unit == "motion":
-                counts = counts.amax(0, keepdim=True)
-            self.clear = self.clear + (counts[..., None] <= self.thresholds).sum(0)
-            self.tested = self.tested + len(counts)
-        self.points = self.points + (depth > 0).sum()
+        found = self.clear_frames.judge(joints, cloud, places)
+        self.clear = self.clear + found.clear
+        self.tested = self.tested + found.tested
+        self.points = self.points + found.points
         self.clouds = self.clouds + len(joints)
 
     def compute(self) -> dict[str, Tensor]:
@@ -127,7 +137,8 @@ class NonCollisionRatio(Metric):
             SagError: nothing was judged.
         """
         each = self._ratios().mean(1)
-        return {**{f"{1000 * r:g}": ratio for r, ratio in zip(self.radii, each)}, "average": each.mean()}
+        names = (f"{1000 * radius:g}" for radius in self.clear_frames.radii)
+        return {**dict(zip(names, each)), "average": each.mean()}
 
     def ratios(self) -> Float[Tensor, "r n"]:
         """The ratio for each radius and threshold.
@@ -147,21 +158,3 @@ class NonCollisionRatio(Metric):
         if not self.tested:
             raise SagError("the non-collision ratio was asked for before any motion was given")
         return self.clear.double() / self.tested
-
-    def _chosen(self, place: int) -> Tensor:
-        """Frames of the motion at this place that are judged."""
-        if self.unit == "motion":
-            return torch.arange(GENERATED)
-        generator = torch.Generator().manual_seed(self.seed * 1_000_003 + place)
-        return torch.randperm(GENERATED, generator=generator)[: self.frames]
-
-    def _check(self, joints: Tensor, cloud: DepthMap) -> None:
-        if joints.shape[1] != GENERATED + 1 or joints.shape[2] <= int(self.bones.max()):
-            raise SagError(
-                f"the non-collision ratio needs {GENERATED + 1} frames of at least {int(self.bones.max()) + 1} joints, "
-                f"as its bones do, not {joints.shape[1]} of {joints.shape[2]}"
-            )
-        if len(cloud.depth) != len(joints):
-            raise SagError(f"the non-collision ratio was given {len(joints)} motions but {len(cloud.depth)} clouds")
-        if not joints.isfinite().all():
-            raise SagError("the non-collision ratio was given coordinates that are not finite; leave such motions out")

@@ -58,8 +58,8 @@ class ERD(nn.Module):
         self.scale.copy_(clips.std((0, 1)).clamp_min(0.02))
 
     def normalised(self, clips: Float[Tensor, "n t j 3"]) -> Float[Tensor, "n t c"]:
-        """Clips z-scored, one vector for each frame."""
-        return ((clips - self.mean) / self.scale).flatten(2)
+        """Clips z-scored, one vector for each frame, in the network's own precision whatever theirs is."""
+        return ((clips.to(self.mean.dtype) - self.mean) / self.scale).flatten(2)
 
     def forward(self, frames: Float[Tensor, "n t c"]) -> Float[Tensor, "n t c"]:
         """The frame after each frame: the last one plus the step that the network foresees; z-scored both."""

@@ -6,7 +6,7 @@ from torch import Generator, nn
 
 from sag.models.generators import MotionGenerator
 from sag.models.scale import MotionScale
-from sag.models.scene_encoder import SceneEncoder
+from sag.models.scene_encoder import BlindEncoder, SceneEncoder
 from sag.types import Condition, Motion, Scene
 
 
@@ -19,7 +19,7 @@ class Sampler(nn.Module):
         scale: units, shared with the generator.
     """
 
-    def __init__(self, encoder: SceneEncoder, generator: MotionGenerator, scale: MotionScale) -> None:
+    def __init__(self, encoder: SceneEncoder | BlindEncoder, generator: MotionGenerator, scale: MotionScale) -> None:
         super().__init__()
         self.encoder = encoder
         self.generator = generator

@@ -21,6 +21,10 @@ class SceneDepth(nn.Module):
         """Depth for the critics, detached, and the losses of the scene encoder by name."""
         return DepthMap(scene.depth, scene.intrinsics), {}
 
+    def decoded(self, feature: Float[Tensor, "b f"]) -> Float[Tensor, "b h w"] | None:
+        """Depth (metres) that is read off f, if any is."""
+        return None
+
 
 class SupervisedDepth(SceneDepth):
     """D on: depth is decoded from f and held against the data's (paper, 3.1).
@@ -48,3 +52,7 @@ class SupervisedDepth(SceneDepth):
         predicted = self.decoder(feature)
         seen = predicted.detach() if self.context_depth == "decoded" else scene.depth
         return DepthMap(seen, scene.intrinsics), {"depth": self.loss(predicted, scene.depth)}
+
+    def decoded(self, feature: Float[Tensor, "b f"]) -> Float[Tensor, "b h w"]:
+        """Depth (metres) that is read off f."""
+        return self.decoder(feature)

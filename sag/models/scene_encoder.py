@@ -44,6 +44,24 @@ class SceneEncoder(nn.Module):
         return self.fc(F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1))
 
 
+class BlindEncoder(nn.Module):
+    """An encoder that does not look: f is zero whatever the picture shows, and there is nothing to train.
+
+    Ours: what a generator does with it, it does without knowing its scene.
+
+    Args:
+        feature_channels: length of f.
+    """
+
+    def __init__(self, feature_channels: int) -> None:
+        super().__init__()
+        self.feature_channels = feature_channels
+
+    def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
+        """f of any pictures: zeros."""
+        return image.new_zeros(len(image), self.feature_channels)
+
+
 class DepthDecoder(nn.Module):
     """Depth from f alone, as the text says: a small map, doubled up to half the picture's size.
 

@@ -40,6 +40,7 @@ def facts_of(lines: Sequence[Line], paper: PaperFigures) -> tuple[tuple[str, str
     facts += [("Encoders of Motion FID", str(result.protocol.get("encoders")))]
     facts += [("Skeleton", str(result.protocol.get("skeleton"))), ("Seeds", _seeds(lines))]
     facts += _ratios(lines)
+    facts += [("Blind", WHAT_BLIND_IS)] if any(line.kind == "blind" for line in lines) else []
     facts.append(("Paper", f"printed figures on {paper.source}. {HOW_TO_READ}"))
     versions = {f"{name} {value}" for line in lines for r in line.finished for name, value in r.origin.items() if value}
     facts.append(("Versions", ", ".join(sorted(versions))))
@@ -57,10 +58,22 @@ def _ratios(lines: Sequence[Line]) -> list[tuple[str, str]]:
     return [("Motion FID without M over its twin with M", f"{pairs}; smallest {smallest}")]
 
 
+WHAT_BLIND_IS = (
+    "the row m trained alike with its scene feature zeroed; what is no better than it shows no knowledge of the scene."
+)
+
 HOW_TO_READ = (
     "Motion FID depends on its encoders, which are trained on the data set: compare the order and the ratios "
     "of rows with the paper's, never the level."
 )
+
+
+FURTHER_COUNTS = {
+    "sequences": "{:,} sequences",
+    "resamples": "{:,} resamples of them (interval)",
+    "samples": "K = {:,} samples of each window (diversity, best of K)",
+}
+"""What newer protocols count besides."""
 
 
 def _any(lines: Sequence[Line]) -> Result:
@@ -79,8 +92,13 @@ def _data(result: Result) -> str:
 def _counts(result: Result) -> str:
     protocol = result.protocol
     frames, points = int(protocol.get("collision_frames", 0)), float(protocol.get("cloud_points", 0))
-    motions = f"{int(protocol.get('motions', 0)):,} motions (Motion FID)"
-    return f"{motions}, {frames:,} frames (non-collision), {points:,.0f} scene points a frame"
+    counts = [
+        f"{int(protocol.get('motions', 0)):,} motions (Motion FID)",
+        f"{frames:,} frames (non-collision)",
+        f"{points:,.0f} scene points a frame",
+    ]
+    counts += [text.format(int(protocol[key])) for key, text in FURTHER_COUNTS.items() if protocol.get(key)]
+    return ", ".join(counts)
 
 
 def _seeds(lines: Sequence[Line]) -> str:

@@ -1,4 +1,4 @@
-"""The table as one HTML file that needs nothing else, in light and in dark."""
+"""The report as one HTML file that needs nothing else, in light and in dark."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from html import escape
 from itertools import groupby
 
-from sag.report.markdown import LEGEND
-from sag.report.table import Column, Table
+from sag.report.columns import Column
+from sag.report.table import Cell, Report, Table
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1d2330; --soft: #667085; --line: #e3e6ec; --page: #f6f7f9; --card: #fff;
@@ -15,24 +15,30 @@ STYLE = """
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e8ee; --soft: #98a2b3; --line: #2c3341; --page: #11141b;
   --card: #181d27; --good: #5fd3a8; --bad: #fda29b; --bad-back: #55160c; --stripe: #1c222d; } }
 * { box-sizing: border-box; }
-body { margin: 0; padding: 2.5rem 1.5rem; background: var(--page); color: var(--ink);
-  font: 15px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, sans-serif; }
-main { max-width: 1320px; margin: 0 auto; }
+body { margin: 0; padding: 2rem 1rem; background: var(--page); color: var(--ink);
+  font: 14.5px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, sans-serif; }
+main { max-width: 1400px; margin: 0 auto; }
 h1 { font-size: 1.5rem; margin: 0 0 1rem; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .8rem; }
 .card { background: var(--card); border: 1px solid var(--line); border-radius: 12px; overflow-x: auto;
   margin: 0 0 1.25rem; }
 .notice { background: var(--bad-back); color: var(--bad); border-radius: 10px; padding: .6rem 1rem; margin: 0 0 .6rem;
   font-weight: 600; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; white-space: nowrap; }
-th, td { padding: .42rem .6rem; text-align: right; }
-thead th { font-weight: 600; color: var(--soft); font-size: .85rem; }
+table { border-collapse: collapse; width: 100%; font-size: .88rem; font-variant-numeric: tabular-nums;
+  white-space: nowrap; }
+th, td { padding: .38rem .34rem; text-align: right; }
+th:last-child, td:last-child { padding-right: 1rem; }
+thead th { font-weight: 600; color: var(--soft); font-size: .82rem; line-height: 1.25; vertical-align: bottom;
+  white-space: normal; }
 thead tr.groups th { text-align: center; color: var(--ink); padding-top: .8rem; }
 thead tr.groups th:not(:empty) { border-bottom: 1px solid var(--line); }
 thead tr:last-child th { border-bottom: 2px solid var(--line); }
-th.left, td.left { text-align: left; font-weight: 600; padding-left: 1rem; }
-th.center, td.center { text-align: center; padding: .42rem .3rem; }
+th.left, td.left { text-align: left; font-weight: 600; padding-left: 1rem; min-width: 9.5rem; white-space: normal;
+  position: sticky; left: 0; background: var(--card); }
+th.center, td.center { text-align: center; padding: .38rem .15rem; }
+td small { display: block; font-size: .85em; font-weight: 400; line-height: 1.1; color: var(--soft); }
 tbody + tbody tr:first-child td { border-top: 2px solid var(--line); }
-tbody tr:nth-child(even) { background: var(--stripe); }
+tbody tr:nth-child(even), tbody tr:nth-child(even) td.left { background: var(--stripe); }
 td.best { color: var(--good); font-weight: 700; }
 td.bad { color: var(--bad); background: var(--bad-back); font-weight: 700; }
 td.paper { color: var(--soft); }
@@ -44,16 +50,23 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
 """
 
 
-def html(table: Table, plot: str) -> str:
+SHORT = 9
+"""Characters of a heading that are not worth a second line."""
+
+NO_BREAK = "&nbsp;"
+
+
+def html(report: Report, plot: str) -> str:
     """The page.
 
     Args:
-        table: with all of the paper's cells.
+        report: with all of the paper's cells.
         plot: an SVG element drawn in `currentColor`.
     """
-    notices = "\n".join(f'<p class="notice">{escape(notice)}</p>' for notice in table.notices)
-    facts = "\n".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in table.facts)
-    title = escape(table.title)
+    notices = "\n".join(f'<p class="notice">{escape(notice)}</p>' for notice in report.notices)
+    facts = "\n".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in report.facts)
+    title = escape(report.title)
+    first, *further = map(_section, report.tables)
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -65,14 +78,9 @@ def html(table: Table, plot: str) -> str:
 <body><main>
 <h1>{title}</h1>
 {notices}
-<div class="card"><table>
-<thead>
-{_headings(table.columns)}
-</thead>
-{_bodies(table)}
-</table></div>
-<p class="legend">{escape(LEGEND)}</p>
+{first}
 <div class="card"><figure>{plot}</figure></div>
+{"".join(further)}
 <div class="card"><dl>
 {facts}
 </dl></div>
@@ -81,11 +89,30 @@ def html(table: Table, plot: str) -> str:
 """
 
 
+def _section(table: Table) -> str:
+    heading = f"<h2>{escape(table.title)}</h2>\n" if table.title else ""
+    return f"""{heading}<div class="card"><table>
+<thead>
+{_headings(table.columns)}
+</thead>
+{_bodies(table)}
+</table></div>
+<p class="legend">{escape(table.legend)}</p>
+"""
+
+
 def _headings(columns: Sequence[Column]) -> str:
-    groups = [(group, len(list(members))) for group, members in groupby(columns, key=lambda column: column.group)]
+    groups = [(group, len(list(members))) for group, members in groupby(columns, key=lambda column: column.group.title)]
     over = "".join(f'<th colspan="{count}">{escape(group)}</th>' for group, count in groups)
-    own = "".join(f'<th class="{column.alignment}">{escape(column.heading)}</th>' for column in columns)
+    own = "".join(f'<th class="{column.alignment}">{_heading(column)}</th>' for column in columns)
     return f'<tr class="groups">{over}</tr>\n<tr>{own}</tr>'
+
+
+def _heading(column: Column) -> str:
+    """A heading of one line where it is short, and never a line for its arrow alone."""
+    label = escape(column.label)
+    spaces = label.count(" ") if len(column.label) <= SHORT else int(column.label != column.heading)
+    return NO_BREAK.join(label.rsplit(" ", spaces))
 
 
 def _bodies(table: Table) -> str:
@@ -94,7 +121,13 @@ def _bodies(table: Table) -> str:
         lines = []
         for row in rows:
             pairs = zip(table.columns, row.cells)
-            cells = (f'<td class="{column.alignment} {cell.look}">{escape(cell.text)}</td>' for column, cell in pairs)
+            cells = (f'<td class="{column.alignment} {cell.look}">{_text(cell)}</td>' for column, cell in pairs)
             lines.append(f"<tr>{''.join(cells)}</tr>")
         bodies.append(f'<tbody class="{kind}">' + "\n".join(lines) + "</tbody>")
     return "\n".join(bodies)
+
+
+def _text(cell: Cell) -> str:
+    """A deviation stands below its mean, so that wide tables stay readable."""
+    mean, sign, deviation = escape(cell.text).partition(" ± ")
+    return f"{mean}<small>± {deviation}</small>" if sign else mean

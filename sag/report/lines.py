@@ -7,10 +7,14 @@ import re
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from sag.errors import SagError
 from sag.letters import LETTERS, row_name
-from sag.report.results import GROUND_TRUTH, PREPARATIONS, Result
+from sag.report.results import BLIND, GROUND_TRUTH, PREPARATIONS, Result
+
+Kind = Literal["without", "with", "blind", "method", "truth"]
+"""What a row is: of the ablation without M or with it, blind to the scene, another method, ground truth; in order."""
 
 SEED = re.compile(r"-s\d+$")
 
@@ -45,7 +49,7 @@ class Line:
         name: of the row, without a seed.
         components: component to on or off; None for a method without.
         results: its runs, one for each seed.
-        figures: of the runs that have finished.
+        figures: those that all of its finished runs have.
     """
 
     name: str
@@ -64,6 +68,21 @@ class Line:
         return [result for result in self.results if not result.finished]
 
     @property
+    def kind(self) -> Kind:
+        """What it is."""
+        special: dict[str, Kind] = {GROUND_TRUTH: "truth", BLIND: "blind"}
+        if (first := self.name.partition("-")[0]) in special:
+            return special[first]
+        if self.components is None:
+            return "method"
+        return "with" if self.components["separate"] else "without"
+
+    @property
+    def in_ablation(self) -> bool:
+        """Whether it is compared for the best of the ablation and with its twin."""
+        return self.kind in ("without", "with")
+
+    @property
     def paper_row(self) -> str:
         """What `sag.report.paper` calls this row."""
         return row_name(self.components) if self.components and self.name == row_name(self.components) else self.name
@@ -76,7 +95,7 @@ class Line:
 
 
 def lines_of(results: Sequence[Result]) -> list[Line]:
-    """The lines of a table: rows without M, rows with M, other methods, ground truth."""
+    """The lines of a table: rows without M, rows with M, blind ones, other methods, ground truth."""
     groups: dict[str, list[Result]] = {}
     for result in results:
         if result.name not in PREPARATIONS:
@@ -90,27 +109,25 @@ def _line(name: str, results: Sequence[Result]) -> Line:
     if len(set(seeds)) < len(seeds):
         runs = ", ".join(result.name for result in finished)
         raise SagError(f"row {name} has several runs of one seed ({runs}); move all but one of them away")
-    names = dict.fromkeys(metric for result in finished for metric in result.metrics)
-    figures = {n: Figure.of([r.metrics.get(n, math.nan) for r in finished]) for n in names}
+    measured = [name for name in (finished[0].metrics if finished else ()) if all(name in r.metrics for r in finished)]
+    figures = {name: Figure.of([result.metrics[name] for result in finished]) for name in measured}
     components = next((r.components for r in [*finished, *results] if r.components), None)
     return Line(name, components, tuple(results), figures)
 
 
 def _order(line: Line) -> tuple[int, int, int, str]:
-    """Without M before M; then by how many components are on, in the order of the letters."""
-    if line.components is None:
-        return (3 if line.name == GROUND_TRUTH else 2, 0, 0, line.name)
-    on = [bool(line.components.get(name)) for name in LETTERS]
+    """By kind; then by how many components are on, in the order of the letters."""
+    on = [bool(line.in_ablation and line.components and line.components.get(name)) for name in LETTERS]
     rank = sum(2**place for place, is_on in enumerate(on) if is_on)
-    return (int(on[0]), sum(on), rank, line.name)
+    return (get_args(Kind).index(line.kind), sum(on), rank, line.name)
 
 
 def twin_ratios(lines: Sequence[Line], metric: str = "motion_fid/average") -> dict[str, float]:
     """How many times larger a figure is without M than in the twin with M, by `name / twin`."""
-    means = {line.paper_row: line.figures[metric].mean for line in lines if line.components and metric in line.figures}
+    means = {line.paper_row: line.figures[metric].mean for line in lines if line.in_ablation and metric in line.figures}
     ratios = {}
     for line in lines:
-        if line.components and not line.components["separate"] and line.paper_row in means:
+        if line.components and line.kind == "without" and line.paper_row in means:
             twin = row_name({**line.components, "separate": True})
             if means.get(twin):
                 ratios[f"{line.name} / {twin}"] = means[line.paper_row] / means[twin]

@@ -1,36 +1,34 @@
-"""The table as Markdown that also reads well in a terminal."""
+"""The report as Markdown that also reads well in a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sag.report.table import Cell, Column, Table
-
-SHORT = {"Motion FID ↓": "FID", "Non-collision ↑": "NC"}
-"""Markdown has no headings over several columns."""
+from sag.report.columns import Column
+from sag.report.table import Cell, Report, Table
 
 RULES = {"left": ("", ""), "center": (":", ":"), "right": ("", ":")}
 PADDING = {"left": "<", "center": "^", "right": ">"}
 
-LEGEND = (
-    "FID: Motion FID, lower is better (short: clips of 2 and 4 frames, mid: 8 and 16, long: 32 and 64). NC: "
-    "non-collision score with cylinders of 30, 45 and 60 mm around the bones, higher is better. Bold: the best row of "
-    "the ablation."
-)
+
+def markdown(report: Report) -> str:
+    """The tables with notices above and facts below."""
+    parts = [f"# {report.title}"]
+    parts += [f"> **Warning:** {notice}" for notice in report.notices]
+    for table in report.tables:
+        parts += [f"## {table.title}"] if table.title else []
+        parts += [_grid(table), table.legend]
+    parts.append("\n".join(f"- {name}: {value}" for name, value in report.facts))
+    return "\n\n".join(parts) + "\n"
 
 
-def markdown(table: Table) -> str:
-    """The table with its notices above and its facts below."""
-    headings = [f"{SHORT.get(column.group, '')} {column.heading}".strip() for column in table.columns]
+def _grid(table: Table) -> str:
+    """Markdown has no headings over several columns, so that each says its group's."""
+    headings = [f"{column.group.short} {column.label}".strip() for column in table.columns]
     body = [[_text(cell) for cell in row.cells] for row in table.rows]
     widths = [max(3, *map(len, texts)) for texts in zip(headings, *body)]
     rules = [_rule(*RULES[column.alignment], width) for column, width in zip(table.columns, widths)]
-    parts = [f"# {table.title}"]
-    parts += [f"> **Warning:** {notice}" for notice in table.notices]
-    parts.append("\n".join(_line(texts, table.columns, widths) for texts in (headings, rules, *body)))
-    parts.append(LEGEND)
-    parts.append("\n".join(f"- {name}: {value}" for name, value in table.facts))
-    return "\n\n".join(parts) + "\n"
+    return "\n".join(_line(texts, table.columns, widths) for texts in (headings, rules, *body))
 
 
 def _text(cell: Cell) -> str:

@@ -10,15 +10,24 @@ from typing import Any
 
 import matplotlib
 
-from sag.report.lines import Figure, Line
+from sag.report.lines import Figure, Kind, Line
 from sag.report.paper import PaperFigures
 
 INK = "#1d2331"
 """Colour of text and axes; in a page it is replaced by the page's own."""
 
 GRID = "#8a93a5"
-WITHOUT, WITH, OTHER, BAD = "#D55E00", "#0072B2", "#009E73", "#CC3311"
-"""Okabe and Ito's vermilion, blue and bluish green; red for what is missing."""
+COLOURS: dict[Kind, str] = {"without": "#D55E00", "with": "#0072B2", "blind": "#CC79A7", "method": "#009E73"}
+"""Okabe and Ito's vermilion, blue, reddish purple and bluish green."""
+
+NAMES: dict[Kind, str] = {
+    "without": "without M",
+    "with": "with M (separate generation)",
+    "blind": "blind (scene feature zeroed)",
+    "method": "other methods",
+}
+BAD = "#CC3311"
+"""Red for what is missing."""
 
 STYLE: Any = {
     "font.family": "DejaVu Sans", "font.size": 10, "svg.fonttype": "none", "svg.hashsalt": "sag", "text.color": INK,
@@ -34,8 +43,8 @@ def plot_of(lines: Sequence[Line], paper: PaperFigures, title: str) -> Any:
     """A matplotlib figure: Motion FID on a logarithmic axis, the non-collision score beside it."""
     from matplotlib.figure import Figure as Canvas
 
-    shown = [line for line in lines if line.name != "ground_truth"]
-    truth = next((line for line in lines if line.name == "ground_truth"), None)
+    shown = [line for line in lines if line.kind != "truth"]
+    truth = next((line for line in lines if line.kind == "truth"), None)
     with matplotlib.rc_context(STYLE):
         canvas = Canvas(figsize=(11.5, 1.9 + 0.32 * len(shown)), layout="constrained")
         left, right = canvas.subplots(1, 2, sharey=True)
@@ -74,7 +83,14 @@ def _panel(axes: Any, lines: Sequence[Line], paper: PaperFigures, metric: str) -
             )
             continue
         axes.errorbar(
-            figure.mean, place, xerr=figure.deviation, fmt="o", markersize=8, color=_colour(line), capsize=3, zorder=3
+            figure.mean,
+            place,
+            xerr=figure.deviation,
+            fmt="o",
+            markersize=8,
+            color=COLOURS[line.kind],
+            capsize=3,
+            zorder=3,
         )
 
 
@@ -83,12 +99,6 @@ def _missing(line: Line, figure: Figure | None) -> str:
     if figure:
         return "NaN"
     return "no figure" if line.finished else line.unfinished[0].state
-
-
-def _colour(line: Line) -> str:
-    if line.components is None:
-        return OTHER
-    return WITH if line.components["separate"] else WITHOUT
 
 
 def _reference(axes: Any, truth: Line, metric: str, text: str) -> None:
@@ -104,16 +114,16 @@ def _reference(axes: Any, truth: Line, metric: str, text: str) -> None:
 
 
 def _label(line: Line) -> str:
-    letters = line.components and any(line.components.values())
+    letters = line.in_ablation and line.components and any(line.components.values())
     return line.name.upper() if letters and line.name == line.paper_row else line.name.replace("_", " ")
 
 
 def _rows(axes: Any, lines: Sequence[Line]) -> None:
-    """Names of the rows from top to bottom, with a rule between those without and with M."""
+    """Names of the rows from top to bottom, with a rule between kinds."""
     axes.set_yticks(range(len(lines)), [_label(line) for line in lines])
     axes.set_ylim(len(lines) - 0.4, -0.6)
     for place in range(1, len(lines)):
-        if _colour(lines[place]) != _colour(lines[place - 1]):
+        if lines[place].kind != lines[place - 1].kind:
             for panel in axes.figure.axes:
                 panel.axhline(place - 0.5, color=INK, linewidth=0.8, alpha=0.6)
 
@@ -130,9 +140,8 @@ def _tick_plainly(axes: Any) -> None:
 def _legend(canvas: Any, lines: Sequence[Line], paper: PaperFigures) -> None:
     from matplotlib.lines import Line2D
 
-    names = {WITHOUT: "without M", WITH: "with M (separate generation)", OTHER: "other methods"}
-    present = dict.fromkeys(_colour(line) for line in lines)
-    marks = [Line2D([], [], marker="o", linestyle="", color=colour, label=names[colour]) for colour in present]
+    present = dict.fromkeys(line.kind for line in lines)
+    marks = [Line2D([], [], marker="o", linestyle="", color=COLOURS[kind], label=NAMES[kind]) for kind in present]
     hollow: Any = {"markerfacecolor": "none", "markeredgecolor": INK}
     marks.append(Line2D([], [], marker="D", linestyle="", label=f"printed in the paper ({paper.source})", **hollow))
     canvas.legend(handles=marks, loc="outside lower center", ncols=len(marks), frameon=False)

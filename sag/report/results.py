@@ -17,6 +17,9 @@ PREPARATIONS = ("encoders",)
 GROUND_TRUTH = "ground_truth"
 """The run that scores the true motion."""
 
+BLIND = "blind"
+"""The row whose scene feature is zero; what its name begins with where there are several."""
+
 
 @dataclass(frozen=True)
 class Result:
@@ -120,6 +123,8 @@ CONDITIONS: dict[str, Callable[[Result], Any]] = {
     "fps": lambda r: r.data.get("fps"),
     "N of motions": lambda r: r.protocol.get("motions"),
     "N of collision frames": lambda r: r.protocol.get("collision_frames"),
+    "collision shape": lambda r: r.protocol.get("collision_shape"),
+    "samples of each window": lambda r: r.protocol.get("samples"),
     "encoders": lambda r: r.protocol.get("encoders"),
     "skeleton": lambda r: r.protocol.get("skeleton"),
 }

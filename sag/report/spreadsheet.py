@@ -9,17 +9,22 @@ from collections.abc import Sequence
 from sag.letters import LETTERS
 from sag.report.lines import Line
 from sag.report.paper import HORIZONS, RADII, PaperFigures
+from sag.report.sections import COMPANIONS, SEES_MORE
 
 PAPER_METRICS = tuple(f"motion_fid/{name}" for name in HORIZONS) + tuple(f"non_collision/{name}" for name in RADII)
+
+OUR_METRICS = tuple(column.metric for section in (SEES_MORE, COMPANIONS) for column in section.columns)
 
 
 def spreadsheet(lines: Sequence[Line], paper: PaperFigures) -> str:
     """One line for each row: state, letters as 0 or 1, mean and deviation of every figure, the paper's cells, effort.
 
-    A cell is empty where there is nothing to say; NaN is written as `nan`.
+    Figures stand in their own units (metres, seconds, shares of 1). A cell is empty where there is nothing to say; NaN
+    is written as `nan`.
     """
-    metrics = list(dict.fromkeys(PAPER_METRICS))
-    metrics += sorted({name for line in lines for name in line.figures} - set(metrics))
+    measured = {name for line in lines for name in line.figures}
+    metrics = [*PAPER_METRICS, *(name for name in OUR_METRICS if name in measured)]
+    metrics += sorted(measured - set(metrics))
     rows = [_row(line, metrics, paper) for line in lines]
     text = io.StringIO()
     writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")

@@ -1,48 +1,25 @@
-"""The table before it is Markdown, LaTeX, HTML or lines on a terminal: headings, cells, notices, facts."""
+"""Tables before they are Markdown, LaTeX, HTML or lines on a terminal: headings, cells, notices, facts."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from sag.letters import LETTERS
+from sag.report.columns import ALONE, Column
 from sag.report.facts import facts_of, notices_of
-from sag.report.lines import Figure, Line
-from sag.report.paper import HORIZONS, RADII, PaperFigures, paper_figures
-from sag.report.results import GROUND_TRUTH
+from sag.report.lines import Figure, Kind, Line
+from sag.report.paper import PaperFigures, paper_figures
+from sag.report.sections import COMPANIONS, SEES_MORE, Section, paper_section
 
 Look = Literal["plain", "best", "bad", "paper", "label"]
-Kind = Literal["without", "with", "method", "truth"]
 
 MARK = "✓"
 NONE = "–"
-FLOOR = "motion_fid_floor"
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column.
-
-    Attributes:
-        group: heading over several columns, or nothing.
-        heading: its own.
-        metric: the figure it shows; nothing for letters, names and times.
-        paper: whether it shows the paper's figure.
-    """
-
-    group: str
-    heading: str
-    metric: str = ""
-    paper: bool = False
-
-    @property
-    def alignment(self) -> Literal["left", "center", "right"]:
-        """Names to the left, letters in the middle, numbers to the right."""
-        if self.heading == "row":
-            return "left"
-        return "center" if self.heading in LETTERS.values() else "right"
+NAME = Column(ALONE, "row")
+BEST = "Bold: the best row of the ablation."
 
 
 @dataclass(frozen=True)
@@ -63,25 +40,40 @@ class TableRow:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with all that must be said about it.
+    """A table and what its headings mean.
 
     Attributes:
-        title: what it shows.
+        title: what it shows, where the report's title does not say it.
         columns: from left to right.
         rows: from top to bottom.
-        notices: what a reader must know before reading, such as failed rows.
-        facts: (name, value) pairs below it.
+        legend: for below it.
     """
 
     title: str
     columns: tuple[Column, ...]
     rows: tuple[TableRow, ...]
+    legend: str
+
+
+@dataclass(frozen=True)
+class Report:
+    """Tables with all that must be said about them.
+
+    Attributes:
+        title: what it shows.
+        tables: the paper's figures, then ours.
+        notices: what a reader must know before reading, such as failed rows.
+        facts: (name, value) pairs for below.
+    """
+
+    title: str
+    tables: tuple[Table, ...]
     notices: tuple[str, ...]
     facts: tuple[tuple[str, str], ...]
 
 
-def table_of(title: str, lines: Sequence[Line], whole: bool = False) -> Table:
-    """The table of these lines.
+def report_of(title: str, lines: Sequence[Line], whole: bool = False) -> Report:
+    """The report of these lines.
 
     Args:
         title: what it shows.
@@ -90,96 +82,87 @@ def table_of(title: str, lines: Sequence[Line], whole: bool = False) -> Table:
     """
     data = next(line.finished[0].data for line in lines if line.finished)
     paper = paper_figures(str(data.get("name")))
-    columns = _columns(paper, whole, several=any(len(line.finished) > 1 for line in lines))
-    best = {column.metric: _best(lines, column.metric) for column in columns if column.metric and not column.paper}
-    rows = [_row(line, columns, paper, best) for line in lines]
-    rows += [_floor(line, columns) for line in lines if f"{FLOOR}/average" in line.figures]
-    return Table(title, columns, tuple(rows), notices_of(lines), facts_of(lines, paper))
+    first = _table(paper_section(paper, whole), lines, paper)
+    further = (_table(section, lines, paper) for section in (SEES_MORE, COMPANIONS))
+    tables = (first, *(table for table in further if len(table.columns) > 1))
+    return Report(title, tables, notices_of(lines), facts_of(lines, paper))
 
 
-def _columns(paper: PaperFigures, whole: bool, several: bool) -> tuple[Column, ...]:
-    columns = [Column("", "row"), *(Column("", letter) for letter in LETTERS.values())]
-    for metric, heading, names in (
-        ("motion_fid", "Motion FID ↓", HORIZONS),
-        ("non_collision", "Non-collision ↑", RADII),
-    ):
-        columns += [Column(heading, _heading(name), f"{metric}/{name}") for name in names]
-        shown = names if whole else ("average",)
-        printed = "paper" if len(shown) == 1 else ""
-        group = f"{heading}, paper on {paper.source}" if whole else heading
-        columns += [Column(group, printed or _heading(name), f"{metric}/{name}", paper=True) for name in shown]
-    columns += [Column("", "n")] if several else []
-    return (*columns, Column("", "steps"), Column("", "min"))
+def _table(section: Section, lines: Sequence[Line], paper: PaperFigures) -> Table:
+    columns = (NAME, *(column for column in section.columns if _has_content(column, lines)))
+    best = {column: _best(lines, column) for column in columns}
+    rows = [TableRow(line.kind, tuple(_cell(line, c, best[c], paper) for c in columns)) for line in lines]
+    floors = {column.floor for column in columns if column.floor}
+    rows += [_floor(line, columns) for line in lines if floors & set(line.figures)]
+    legend = " ".join(dict.fromkeys([*(c.group.legend for c in columns if c.group.legend), BEST]))
+    return Table(section.title, columns, tuple(rows), legend)
 
 
-def _heading(name: str) -> str:
-    return f"{name} mm" if name.isdigit() else name
+def _has_content(column: Column, lines: Sequence[Line]) -> bool:
+    """Whether any row has the figure; seeds are counted where a row has several."""
+    if column.heading == "n":
+        return any(len(line.finished) > 1 for line in lines)
+    return column.paper or not column.metric or any(column.metric in line.figures for line in lines)
 
 
-def _kind(line: Line) -> Kind:
-    if line.components is None:
-        return "truth" if line.name == GROUND_TRUTH else "method"
-    return "with" if line.components["separate"] else "without"
+def _cell(line: Line, column: Column, best: float, paper: PaperFigures) -> Cell:
+    if column.paper:
+        printed = paper.cells(line.paper_row).get(column.metric)
+        return Cell("" if printed is None else column.written(Figure(printed)), "paper")
+    if column.metric:
+        return _figure(line, column, best)
+    return Cell(OF_ROW[column.heading](line), "label" if column is NAME else "plain")
 
 
-def _row(line: Line, columns: Sequence[Column], paper: PaperFigures, best: dict[str, float]) -> TableRow:
-    printed = {name: written(name, Figure(value)) for name, value in paper.cells(line.paper_row).items()}
-    cells = [Cell(line.name.replace("_", " "), "label"), *_letters(line)]
-    for column in columns[len(cells) :]:
-        if column.paper:
-            cells.append(Cell(printed.get(column.metric, ""), "paper"))
-        elif column.metric:
-            cells.append(_figure(line, column.metric, best[column.metric]))
-    return TableRow(_kind(line), (*cells, *_effort(line, columns)))
-
-
-def _effort(line: Line, columns: Sequence[Column]) -> Iterable[Cell]:
-    """Seeds, steps and minutes of a row."""
-    steps = max((result.steps for result in line.finished), default=0)
-    texts = {
-        "n": str(len(line.finished)),
-        "steps": f"{steps:,}" if steps else "",
-        "min": "" if line.minutes is None else f"{line.minutes:.1f}",
-    }
-    return (Cell(texts[column.heading]) for column in columns if column.heading in texts)
-
-
-def _letters(line: Line) -> Iterable[Cell]:
-    return (Cell(MARK if line.components and line.components.get(name) else "") for name in LETTERS)
-
-
-def _figure(line: Line, metric: str, best: float) -> Cell:
+def _figure(line: Line, column: Column, best: float) -> Cell:
     if not line.finished:
         return Cell(line.unfinished[0].state, "bad")
-    if metric not in line.figures:
+    shown = [line.figures.get(metric) for metric in (column.metric, column.until) if metric]
+    figures = [figure for figure in shown if figure is not None]
+    if len(figures) < len(shown):
         return Cell(NONE)
-    figure = line.figures[metric]
-    if math.isnan(figure.mean):
+    if any(math.isnan(figure.mean) for figure in figures):
         return Cell("NaN", "bad")
-    is_best = line.components is not None and figure.mean == best
-    return Cell(written(metric, figure), "best" if is_best else "plain")
+    if column.until:
+        return Cell(NONE.join(column.written(Figure(figure.mean)) for figure in figures))
+    is_best = line.in_ablation and column.written(Figure(figures[0].mean)) == column.written(Figure(best))
+    return Cell(column.written(figures[0]), "best" if is_best else "plain")
+
+
+def _best(lines: Sequence[Line], column: Column) -> float:
+    """The best mean among the rows of the ablation; NaN where nothing is better than another."""
+    means = [line.figures[column.metric].mean for line in lines if line.in_ablation and column.metric in line.figures]
+    means = [mean for mean in means if not math.isnan(mean)]
+    choose = {"lower": min, "higher": max}.get(column.better)
+    return choose(means) if choose and means else math.nan
 
 
 def _floor(line: Line, columns: Sequence[Column]) -> TableRow:
-    """Motion FID of one half of the true motion against the other: nothing can be told apart below it."""
-    cells = [Cell("floor: real against real, halves", "label")]
-    for column in columns[1:]:
-        name = column.metric.replace("motion_fid/", f"{FLOOR}/")
-        shown = not column.paper and name.startswith(FLOOR) and name in line.figures
-        cells.append(Cell(written(column.metric, line.figures[name]) if shown else ""))
-    return TableRow("truth", tuple(cells))
+    """Distances of one half of the true motion from the other: nothing can be told apart below them."""
+    figures = (line.figures.get(column.floor) for column in columns[1:])
+    cells = (Cell("" if figure is None else c.written(figure)) for c, figure in zip(columns[1:], figures))
+    return TableRow("truth", (Cell("floor: real against real, halves", "label"), *cells))
 
 
-def _best(lines: Sequence[Line], metric: str) -> float:
-    means = [line.figures[metric].mean for line in lines if line.components and metric in line.figures]
-    means = [mean for mean in means if not math.isnan(mean)]
-    return (max if metric.startswith("non_collision") else min)(means, default=math.nan)
+def _name(line: Line) -> str:
+    blind = ": scene feature zeroed" if line.kind == "blind" else ""
+    return line.name.replace("_", " ") + blind
 
 
-def written(metric: str, figure: Figure) -> str:
-    """A figure as a table shows it: three decimals for a share, three digits or so for a distance."""
-    digits = 3
-    if not metric.startswith("non_collision"):
-        digits = 1 if figure.mean >= 10 else 2 if figure.mean >= 1 else 3
-    deviation = "" if figure.deviation is None else f" ± {figure.deviation:.{digits}f}"
-    return f"{figure.mean:.{digits}f}{deviation}"
+def _letter(component: str) -> Callable[[Line], str]:
+    return lambda line: MARK if line.components and line.components.get(component) else ""
+
+
+def _steps(line: Line) -> str:
+    steps = max((result.steps for result in line.finished), default=0)
+    return f"{steps:,}" if steps else ""
+
+
+OF_ROW: dict[str, Callable[[Line], str]] = {
+    "row": _name,
+    **{letter: _letter(component) for component, letter in LETTERS.items()},
+    "n": lambda line: str(len(line.finished)),
+    "steps": _steps,
+    "min": lambda line: "" if line.minutes is None else f"{line.minutes:.1f}",
+}
+"""What columns without a figure show, by heading."""

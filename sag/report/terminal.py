@@ -1,4 +1,4 @@
-"""The table on a terminal."""
+"""The report on a terminal."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
-from sag.report.markdown import SHORT
-from sag.report.table import Table, TableRow
+from sag.report.table import Report, Table, TableRow
 
 STYLES = {"plain": "", "best": "bold green", "bad": "bold white on red", "paper": "dim", "label": "bold"}
 
@@ -19,18 +18,27 @@ UNBOUNDED = 1000
 """Columns of text where there is no terminal: no table is that wide."""
 
 
-def show(table: Table, console: Console) -> None:
-    """Prints the table, its notices and its facts; on a narrow terminal the averages alone."""
-    places = list(range(len(table.columns)))
-    grid = _grid(table, places)
-    if _natural_width(grid) > console.width:
-        places = [i for i in places if not table.columns[i].metric or table.columns[i].metric.endswith("average")]
-        grid = _grid(table, places)
-    console.print(grid, width=_natural_width(grid))
-    for notice in table.notices:
+def show(report: Report, console: Console) -> None:
+    """Prints the tables, notices and facts; on a narrow terminal fewer columns, and further tables only if they fit."""
+    for table in report.tables:
+        grid = _fitting(table, console.width)
+        if not table.title:
+            grid.title = report.title
+            console.print(grid, width=_natural_width(grid))
+        elif _natural_width(grid) <= console.width:
+            console.print(grid, width=_natural_width(grid))
+            console.print(Text(f"{table.legend}\n", style="dim"))
+    for notice in report.notices:
         console.print(Text(f"! {notice}", style="bold red"), soft_wrap=True)
-    for name, value in table.facts:
+    for name, value in report.facts:
         console.print(Text.assemble((f"{name}: ", "bold"), value), soft_wrap=True)
+
+
+def _fitting(table: Table, width: int) -> Grid:
+    """As many of the columns as fit, details left out first; the least that a table can be where none do."""
+    most = max(column.detail for column in table.columns)
+    grids = (_grid(table, detail) for detail in range(most, 0, -1))
+    return next((grid for grid in grids if _natural_width(grid) <= width), _grid(table, 0))
 
 
 def _natural_width(grid: Grid) -> int:
@@ -38,12 +46,12 @@ def _natural_width(grid: Grid) -> int:
     return Console(width=UNBOUNDED).measure(grid).maximum
 
 
-def _grid(table: Table, places: Sequence[int]) -> Grid:
-    """The columns at these places."""
+def _grid(table: Table, detail: int) -> Grid:
+    """The columns of at most this much detail."""
+    places = [place for place, column in enumerate(table.columns) if column.detail <= detail]
     grid = Grid(title=table.title, box=box.SIMPLE_HEAD, pad_edge=False, title_style="bold")
-    for column in (table.columns[i] for i in places):
-        heading = f"{SHORT.get(column.group, '')} {column.heading}".strip()
-        grid.add_column(heading.replace(" ", "\n", 1), justify=column.alignment, no_wrap=True)
+    for column in (table.columns[place] for place in places):
+        grid.add_column(f"{column.group.short}\n{column.label}".strip(), justify=column.alignment, no_wrap=True)
     for _, rows in groupby(table.rows, key=lambda row: row.kind):
         for row in rows:
             grid.add_row(*_texts(row, places))

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from sag.errors import SagError
-from sag.letters import LETTERS, row_name
+from sag.letters import LETTERS, components_of, row_name
 from sag.sweep.command import Additions, command_hash, preparation_command, row_command, written
 from sag.sweep.definition import Point, Sweep
 
 COMPONENTS = "components."
 ENCODERS = "configs/methods/erd.yaml"
 GROUND_TRUTH = "configs/methods/ground_truth.yaml"
+BLIND = "configs/methods/blind.yaml"
 
 
 @dataclass(frozen=True)
@@ -40,20 +41,21 @@ class Row:
 
 
 def plan(sweep: Sweep, additions: Additions, seeds: int | None = None) -> list[Row]:
-    """Everything a sweep runs, in order: encoders, ground truth, then the grid.
+    """Everything a sweep runs, in order: encoders, ground truth, the grid, then the blind row of an ablation.
 
-    A command without the subcommand `run` is not this program's, and is run without preparations.
+    A command without the subcommand `run` is not this program's, and is run as it stands.
 
     Raises:
         SagError: two rows have one name, a component is unknown, or a config file is missing.
     """
     _check_components(sweep)
-    prepared = _preparations(sweep, additions) if "run" in sweep.command else []
+    grid = [(name_of(point, sweep.varied), point) for point in _seeded(sweep, seeds)]
+    prepared, blind = [], {}
+    if "run" in sweep.command:
+        prepared, blind = _preparations(sweep, additions), _blind(grid)
     after = prepared[0].fingerprint if prepared else ""
-    rows = list(prepared)
-    for point in _seeded(sweep, seeds):
-        command = tuple(row_command(sweep, point, additions))
-        rows.append(Row(name_of(point, sweep.varied), command, command_hash(command, after)))
+    rows = prepared + [_row(sweep, name, point, additions, after) for name, point in grid]
+    rows += [_row(sweep, name, point, _blinding(additions), after) for name, point in blind.items()]
     twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
     if twice:
         raise SagError(f"{sweep.path}: two rows would share the folder {twice[0]!r}; rename one or vary another key")
@@ -70,6 +72,31 @@ def _preparations(sweep: Sweep, additions: Additions) -> list[Row]:
         Row("encoders", encoders, fingerprint, measured=False, alone=True, typical=False),
         Row("ground_truth", truth, command_hash(truth, fingerprint), typical=False),
     ]
+
+
+def _row(sweep: Sweep, name: str, point: Point, additions: Additions, after: str) -> Row:
+    command = tuple(row_command(sweep, point, additions))
+    return Row(name, command, command_hash(command, after))
+
+
+def _blind(grid: Sequence[tuple[str, Point]]) -> dict[str, Point]:
+    """Blind rows by name, where components vary: one for each choice of all else, so that each has its zero."""
+    rows = [(*name.partition("-"), point) for name, point in grid if components_of(name.partition("-")[0])]
+    if len({letters for letters, *_ in rows}) < 2:
+        return {}
+    return {f"blind{dash}{rest}": _without_components(point, letters) for letters, dash, rest, point in rows}
+
+
+def _without_components(point: Point, letters: str) -> Point:
+    """A point without what chooses its components: keys of their own, or the config of its row."""
+    of_row = {name for name, value in point.items() if name == "config" and PurePath(str(value)).stem == letters}
+    return {n: v for n, v in point.items() if not n.startswith(COMPONENTS) and n not in of_row}
+
+
+def _blinding(additions: Additions) -> Additions:
+    """The additions of a call with the blind row's config, whose components no setting changes."""
+    settings = tuple(setting for setting in additions.settings if not setting.startswith(COMPONENTS))
+    return Additions((*additions.configs, BLIND), settings)
 
 
 def _seeded(sweep: Sweep, seeds: int | None) -> list[Point]:

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 import torch
 
@@ -35,16 +36,31 @@ def test_a_segment_without_length_is_a_point():
     assert float(squared_distance_to_segment(torch.tensor([1.0, 2, 5]), start, start)) == 4
 
 
+def test_distances_are_those_of_the_cross_product_and_a_cylinder_ends_flat():
+    starts, ends = random_segments(0, 40, 0)
+    points = torch.randn(500, 1, 3, generator=torch.manual_seed(1), dtype=torch.float64)
+    a, b, p = (x.numpy() for x in (starts, ends, points))
+    length = np.linalg.norm(b - a, axis=-1)
+    to_line = np.linalg.norm(np.cross(p - a, p - b), axis=-1) / length
+    to_ends = np.minimum(np.linalg.norm(p - a, axis=-1), np.linalg.norm(p - b, axis=-1))
+    beside = abs(((p - a) * (b - a)).sum(-1) / length - length / 2) <= length / 2
+    capsule, cylinder = (squared_distance_to_segment(points, starts, ends, s).sqrt() for s in ("capsule", "cylinder"))
+    np.testing.assert_allclose(capsule, np.where(beside, to_line, to_ends), atol=1e-9)
+    np.testing.assert_allclose(cylinder, np.where(beside, to_line, np.inf), atol=1e-9)
+    assert beside.any() and not beside.all()
+
+
 def test_distance_has_right_gradients():
     points, (starts, ends) = torch.randn(4, 3, dtype=torch.float64), random_segments(0, 4, 2)
     assert torch.autograd.gradcheck(squared_distance_to_segment, [x.requires_grad_() for x in (points, starts, ends)])
 
 
-def test_share_of_points_inside_is_the_share_of_volume():
+@pytest.mark.parametrize("shape", ["capsule", "cylinder"])
+def test_share_of_points_inside_is_the_share_of_volume(shape):
     points = torch.rand(400_000, 3, generator=torch.manual_seed(0), dtype=torch.float64) - 0.5
     start, end = torch.tensor([[-0.2, 0, 0]]).double(), torch.tensor([[0.2, 0, 0]]).double()
-    volume = math.pi * 0.2**2 * 0.4 + 4 / 3 * math.pi * 0.2**3
-    inside = points_in_capsules(points, start, end, 0.2).double().mean()
+    volume = math.pi * 0.2**2 * 0.4 + (4 / 3 * math.pi * 0.2**3 if shape == "capsule" else 0)
+    inside = points_in_capsules(points, start, end, 0.2, shape).double().mean()
     assert float(inside) == pytest.approx(volume, rel=0.02)
 
 

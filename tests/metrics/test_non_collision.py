@@ -1,93 +1,22 @@
-"""Non-collision: equal to all points against all bones, and right about what it judges."""
+"""Non-collision ratio: right about what it judges, in pictures and in clouds."""
 
 import pickle
 
 import pytest
 import torch
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from torch import Tensor
+from torchmetrics import MetricCollection
 from toy_data import STANDING
 
 from sag.errors import SagError
 from sag.geometry.camera import point_cloud
-from sag.metrics import NonCollisionRatio, collision_counts, points_in_capsules
+from sag.geometry.cloud import IndexedCloud
+from sag.metrics import NonCollisionRatio, collision_counts
 from sag.skeleton import GTA_IM_19
 from sag.types import DepthMap
 
 RADII = (0.030, 0.045, 0.060)
 BONES = torch.as_tensor(GTA_IM_19.bone_index)
-CAMERA = torch.tensor([[70.0, 0, 60], [0, 75, 40], [0, 0, 1]])
-
-
-def brute_force(joints: Tensor, depth: Tensor, intrinsics: Tensor) -> Tensor:
-    """Every point of the cloud against every bone."""
-    cloud = point_cloud(depth.double()[None], intrinsics.double()[None])[0][depth > 0]
-    ends = [joints.double()[:, side] for side in BONES.T]
-    counts = [[int(points_in_capsules(cloud, a, b, r).sum()) for r in RADII] for a, b in zip(*ends)]
-    return torch.tensor(counts)
-
-
-def rough_depth(seed: int, nearest: float, farthest: float) -> Tensor:
-    """A bumpy depth map with holes, so that points are everywhere between the two depths."""
-    generator = torch.manual_seed(seed)
-    depth = nearest + (farthest - nearest) * torch.rand(72, 128, generator=generator)
-    return torch.where(torch.rand(72, 128, generator=generator) < 0.1, 0, depth)
-
-
-def bodies(seed: int, frames: int, depth: float) -> Tensor:
-    generator = torch.manual_seed(seed)
-    place = torch.randn(frames, 1, 3, generator=generator) * torch.tensor([0.5, 0.2, 0.3])
-    jitter = 0.05 * torch.randn(frames, 19, 3, generator=generator)
-    return torch.from_numpy(STANDING).float() + place + jitter + torch.tensor([0, 0, depth])
-
-
-@pytest.mark.parametrize(
-    ("depth", "nearest", "farthest"),
-    [(2.0, 1.5, 2.5), (1.0, 0.2, 2.0), (0.1, 0.01, 0.5), (0.0, 0.3, 0.6), (-0.2, 0.02, 0.4)],
-    ids=["in front", "near", "across the camera plane", "across, far points", "mostly behind"],
-)
-def test_equals_brute_force(depth, nearest, farthest):
-    differing, touching = 0, 0
-    for seed in range(4):
-        joints, picture = bodies(seed, 25, depth), rough_depth(seed, nearest, farthest)
-        expected = brute_force(joints, picture, CAMERA)
-        found = collision_counts(joints, BONES, picture, CAMERA, RADII)
-        differing += int((found != expected).sum())
-        touching += int((expected > 0).sum())
-    assert differing == 0 and touching > 20
-
-
-@given(seed=st.integers(0, 10_000), depth=st.floats(-1, 4))
-@settings(max_examples=25, deadline=None)
-def test_equals_brute_force_anywhere(seed, depth):
-    joints, picture = bodies(seed, 3, depth), rough_depth(seed, 0.05, 4)
-    found = collision_counts(joints, BONES, picture, CAMERA, RADII)
-    assert torch.equal(found, brute_force(joints, picture, CAMERA))
-    assert (found.diff(dim=1) >= 0).all(), "more points at a larger radius"
-
-
-def test_a_point_that_several_bones_touch_counts_once():
-    joints = torch.tensor([[[0.0, 0, 2], [0, 0.3, 2], [0.3, 0, 2]]])
-    picture = torch.full((72, 128), 2.0)
-    once = collision_counts(joints, torch.tensor([[0, 1], [0, 2]]), picture, CAMERA, RADII)
-    twice = collision_counts(joints, torch.tensor([[0, 1], [0, 2], [1, 0], [0, 1]]), picture, CAMERA, RADII)
-    assert torch.equal(once, twice) and once.min() > 0
-
-
-def test_no_points_no_collisions():
-    counts = collision_counts(bodies(0, 4, 2.0), BONES, torch.zeros(72, 128), CAMERA, RADII)
-    assert counts.tolist() == [[0, 0, 0]] * 4
-
-
-def test_the_same_points_in_a_finer_picture():
-    joints, picture = bodies(0, 10, 2.0), rough_depth(0, 1.5, 2.5)
-    fine = torch.zeros(216, 384)
-    fine[1::3, 1::3] = picture
-    camera = CAMERA.clone()
-    camera[:2] *= 3
-    expected = collision_counts(joints, BONES, picture, CAMERA, RADII)
-    assert (collision_counts(joints, BONES, fine, camera, RADII) - expected).abs().max() <= 1
 
 
 @pytest.fixture
@@ -156,9 +85,59 @@ def test_batches_make_no_difference_and_with_an_index_neither_does_order(motions
 
 
 def test_points_beyond_the_farthest_are_none(motions, cloud):
-    metric = NonCollisionRatio(BONES.numpy(), frames=2, farthest=1.9)
+    cloud.depth[:, :, 256:] = 30
+    metric = NonCollisionRatio(BONES.numpy(), frames=2)
     metric.update(motions, cloud)
-    assert metric.sample().density == 0 and float(metric.compute()["average"]) == 1
+    assert metric.sample().density == 288 * 256
+
+
+def test_a_cloud_of_points_says_what_the_picture_says(motions, cloud):
+    motions = motions[:4] + 0.03 * torch.randn(4, 65, 19, 3, generator=torch.manual_seed(0))
+    points = point_cloud(cloud.depth[:4].double(), cloud.intrinsics[:4].double()).flatten(1, 2)
+    expected = NonCollisionRatio(BONES.numpy(), frames=5, thresholds=(100, 500, 1000))
+    expected.update(motions, cloud[:4])
+    for scenes in (list(points), [IndexedCloud(p) for p in points]):
+        metric = NonCollisionRatio(BONES.numpy(), frames=5, thresholds=(100, 500, 1000))
+        metric.update(motions, scenes)
+        assert torch.equal(metric.ratios(), expected.ratios()) and metric.sample() == expected.sample()
+    assert 0 < float(expected.ratios().mean()) < 1
+
+
+def test_flat_ends_leave_more_frames_clear():
+    ankle_in_the_floor = torch.tensor([[0.0, 0.0, 3.0], [0.0, 0.49, 3.0]]).expand(1, 65, 2, 3)
+    x, z = torch.meshgrid(torch.linspace(-0.5, 0.5, 200), torch.linspace(2.5, 3.5, 200), indexing="ij")
+    floor = [torch.stack([x, torch.full_like(x, 0.5), z], dim=-1).flatten(0, 1)]
+    found = {}
+    for shape in ("capsule", "cylinder"):
+        metric = NonCollisionRatio([[0, 1]], shape=shape)
+        metric.update(ankle_in_the_floor, floor)
+        found[shape] = float(metric.compute()["average"])
+    assert found["capsule"] < 1 and found["cylinder"] == 1
+
+
+def test_a_millimetre_of_jitter_changes_nothing(motions, cloud):
+    jitter = 0.001 * torch.randn(motions.shape, generator=torch.manual_seed(0))
+    still, shaken = (NonCollisionRatio(BONES.numpy(), frames=5) for _ in range(2))
+    still.update(motions, cloud)
+    shaken.update(motions + jitter, cloud)
+    assert torch.equal(still.ratios(), shaken.ratios())
+
+
+def test_metrics_of_one_collection_that_agree_at_first_stay_apart(motions, cloud):
+    collection = MetricCollection(
+        {name: NonCollisionRatio(BONES.numpy(), thresholds=(limit,)) for name, limit in (("few", 40), ("many", 10**6))}
+    )
+    collection.update(joints=motions[1::2], cloud=cloud[1::2])
+    collection.update(joints=motions[::2], cloud=cloud[::2])
+    found = collection.compute()
+    assert found["few_average"] == 0.5 and found["many_average"] == 1
+
+
+@pytest.mark.parametrize("dtype", [torch.float64, torch.bfloat16, torch.float16])
+def test_any_precision(motions, cloud, dtype):
+    metric = NonCollisionRatio(BONES.numpy(), frames=3)
+    metric.update(motions.to(dtype), cloud)
+    assert float(metric.compute()["average"]) == 0.5
 
 
 def test_starts_anew_after_reset_and_survives_a_pickle(motions, cloud):
@@ -181,6 +160,12 @@ def test_refuses(motions, cloud):
         metric.update(motions / 0, cloud)
     with pytest.raises(SagError, match="frames of the non-collision ratio"):
         NonCollisionRatio(BONES.numpy(), frames=65)
+    with pytest.raises(SagError, match="neither"):
+        metric.update(motions, None)
+    with pytest.raises(SagError, match="without points for the motion at 7"):
+        metric.update(motions[:1], DepthMap(0 * cloud.depth[:1], cloud.intrinsics[:1]), torch.tensor([7]))
+    with pytest.raises(SagError, match="without points for the motion at 0"):
+        metric.update(motions[:1], [torch.zeros(0, 3)])
     metric.update(motions[:0], cloud[:0])
     with pytest.raises(SagError, match="before any motion"):
         metric.compute()

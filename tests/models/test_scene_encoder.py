@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from sag.models.scene_encoder import DepthDecoder, SceneEncoder
+from sag.models.scene_encoder import BlindEncoder, DepthDecoder, SceneEncoder
 
 
 @pytest.mark.parametrize("grid", [(1, 1), (2, 3)])
@@ -14,6 +14,14 @@ def test_a_finer_grid_knows_where_things_are() -> None:
     picture[..., :40] = 1
     encoder = SceneEncoder(10, width=8, grid=(1, 4)).eval()
     assert not torch.allclose(encoder(picture), encoder(picture.flip(-1)), atol=1e-4)
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.bfloat16])
+def test_a_blind_encoder_says_nothing_and_learns_nothing(dtype: torch.dtype) -> None:
+    encoder = BlindEncoder(10)
+    feature = encoder(torch.rand(2, 3, 8, 8, dtype=dtype))
+    assert feature.shape == (2, 10) and feature.dtype == dtype
+    assert not feature.any() and not encoder.state_dict()
 
 
 @pytest.mark.parametrize("size", [(288, 512), (72, 128), (36, 64), (50, 70)])

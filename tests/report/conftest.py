@@ -34,6 +34,26 @@ def figures(fid: float, share: float) -> dict[str, float]:
     return {f"motion_fid/{k}": v for k, v in fids.items()} | {f"non_collision/{k}": v for k, v in shares.items()}
 
 
+def our_figures(fid: float) -> dict[str, float]:
+    """Every further figure that a test writes, in its own unit, with some that depend on the row."""
+    steps = ("0.5", "1", "1.5", "2")
+    return {
+        "motion_fid_interval/low": 0.9 * fid, "motion_fid_interval/high": 1.2 * fid,
+        "motion_fid_infinity/average": 0.95 * fid, "motion_kid/average": fid / 100,
+        "velocity_frechet": 2 * fid, "scene_frechet": 3 * fid,
+        "collisions/matched": 0.06, "collisions/elsewhere": 0.12, "collisions/ratio": 0.5,
+        "penetration/share": fid / 1000, "penetration/root": 0.05, "penetration/depth": 0.0123,
+        "floor/sunk": 0.01, "floor/floating": 0.02, "floor/error": 0.03,
+        "depth_error/abs_rel": 0.2, "depth_error/rmse": 0.7, "depth_error/delta1": 0.6,
+        "foot_skate": 0.8, "foot_contact": 0.5, "bone_drift": 0.15, "acceleration": 6.0, "jerk": 2400.0,
+        "diversity/deviation": 0.3, "diversity/pairwise": 0.5, "diversity/multimodality": 2.0,
+        **{f"best_of/path_{time}": 0.4 for time in steps}, **{f"best_of/pose_{time}": 0.1 for time in steps},
+    }  # fmt: skip
+
+
+OUR_FLOORS = {"velocity_frechet_floor": 0.6, "scene_frechet_floor": 1.4}
+
+
 class Runs:
     """A folder of runs."""
 
@@ -55,6 +75,17 @@ class Runs:
         floor = {"short": 0.5, "mid": 0.7, "long": 0.9, "average": 0.7}
         content["metrics"] |= {f"motion_fid_floor/{name}": value for name, value in floor.items()}
         path.write_text(json.dumps(content))
+
+    def measure_more(self) -> None:
+        """Gives every row of the folder our figures too."""
+        for path in self.folder.glob("*/metrics.json"):
+            content = json.loads(path.read_text())
+            ours = our_figures(content["metrics"]["motion_fid/average"])
+            content["metrics"] |= ours | (OUR_FLOORS if path.parent.name == "ground_truth" else {})
+            path.write_text(json.dumps(content))
+
+    def add_blind(self, fid: float = 21.0, share: float = 0.8, name: str = "blind", **changes: dict) -> None:
+        self.add(name, fid, share, components=components_of("m"), **changes)
 
     def fail(self, row: str, state: str = "failed", reason: str | None = "exit status 1: ValueError: no depth") -> None:
         self.write(row, "status.json", {"state": state, "reason": reason})

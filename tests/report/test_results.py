@@ -55,6 +55,8 @@ def test_twin_ratios_divide_the_row_without_m_by_the_one_with_it(runs):
         ({"protocol": {"collision_frames": 21}}, "N of collision frames"),
         ({"protocol": {"encoders": "x"}}, "encoders"),
         ({"protocol": {"skeleton": "prox_16"}}, "skeleton"),
+        ({"protocol": {"samples": 5}}, "samples of each window (None in d; 5 in m)"),
+        ({"protocol": {"collision_shape": "cylinder"}}, "collision shape"),
     ],
 )
 def test_rows_that_were_measured_differently_are_refused_by_name(runs, changes, named):

@@ -51,6 +51,7 @@ class Workplace:
         self.write("base.yaml", "a: 1")
         self.write("configs/methods/erd.yaml", "method: erd")
         self.write("configs/methods/ground_truth.yaml", "method: ground_truth")
+        self.write("configs/methods/blind.yaml", "method: blind")
         self.wishes()
 
     def write(self, name: str, text: str) -> str:

@@ -66,12 +66,12 @@ def test_table_1_is_the_papers_six_rows(tmp_path, monkeypatch):
     for config in [*sweep.parameters["config"], *(p for p in sweep.command if p.endswith(".yaml"))]:
         (tmp_path / config).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / config).touch()
-    for method in ("erd", "ground_truth"):
+    for method in ("erd", "ground_truth", "blind"):
         (tmp_path / "configs/methods").mkdir(parents=True, exist_ok=True)
         (tmp_path / f"configs/methods/{method}.yaml").touch()
     monkeypatch.chdir(tmp_path)
     names = [row.name for row in plan(sweep, Additions())]
-    assert names == ["encoders", "ground_truth", "none", "m", "md", "mdc", "mdp", "mdpc"]
+    assert names == ["encoders", "ground_truth", "none", "m", "md", "mdc", "mdp", "mdpc", "blind"]
 
 
 @pytest.mark.parametrize("path", sorted(SWEEPS.glob("*.yaml")), ids=lambda path: path.stem)

@@ -70,7 +70,7 @@ def test_an_interrupted_sweep_ends_its_rows_and_continues(workplace, sweep, sent
     assert "run the same command again to continue" in said
     assert not any(alive(pid) for pid in running)
     assert {workplace.states()[row] for row in LONG} == {"interrupted"}
-    assert continues(workplace) == {"none", "c", "m", "mc"}
+    assert continues(workplace) == {"none", "c", "m", "mc", "blind"}
 
 
 def test_a_row_that_does_not_listen_is_killed(workplace):
@@ -102,7 +102,7 @@ def test_a_killed_sweep_leaves_nothing_running_and_continues(workplace, sweep):
     if sys.platform == "linux":
         wait_until(lambda: not any(alive(pid) for pid in running))
     assert workplace.states()["none"] == "running", "nobody was left to write otherwise"
-    assert continues(workplace) == {"none", "c", "m", "mc"}
+    assert continues(workplace) == {"none", "c", "m", "mc", "blind"}
     assert not any(alive(pid) for pid in running)
 
 

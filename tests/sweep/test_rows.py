@@ -74,6 +74,54 @@ def test_preparations_are_the_same_command_with_an_overlay_before_the_settings(w
     assert truth.command == (*start, "test", *own, "--config=configs/methods/ground_truth.yaml", "--data.root=here")
 
 
+def test_the_blind_row_comes_last_and_is_a_row_like_any_other(workplace):
+    workplace.write("extra.yaml", "b: 2")
+    rows = planned(workplace, Additions(("extra.yaml",), ("components.context=true", "model.x=1")), seeds=2)
+    assert [row.name for row in rows[-3:]] == ["mc-s1", "blind-s0", "blind-s1"]
+    assert rows[-1].command == (
+        "/usr/bin/env", sys.executable, "program.py", "run", "--config", "base.yaml", "--config=extra.yaml",
+        "--config=configs/methods/blind.yaml", "--model.x=1", "--seed_everything=1",
+    )  # fmt: skip
+    assert rows[-1].measured and rows[-1].typical and not rows[-1].alone
+
+
+def test_a_changed_blind_config_changes_the_blind_row_alone(workplace):
+    before = planned(workplace)
+    workplace.write("configs/methods/blind.yaml", "changed: true")
+    changed = [row.name for row, old in zip(planned(workplace), before) if row.fingerprint != old.fingerprint]
+    assert changed == ["blind"]
+
+
+RATES = "b.rate: {values: [1, 2]}, c: {value: 3}"
+BOTH = {"blind-rate=1": (1, 3), "blind-rate=2": (2, 3)}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "blind"),
+    [
+        (f"components.depth: {{values: [true, false]}}, {RATES}", BOTH),
+        (f"config: {{values: [r/m.yaml, r/md.yaml, r/hp_gan.yaml]}}, {RATES}", BOTH),
+        (f"components.depth: {{value: true}}, {RATES}", {}),
+        (f"config: {{values: [r/hp_gan.yaml, r/cao.yaml]}}, {RATES}", {}),
+        (f"config: {{values: [r/hp_gan.yaml, r/md.yaml]}}, {RATES}", {}),
+    ],
+    ids=("components", "configs", "no components vary", "other methods", "one row"),
+)  # fmt: skip
+def test_blind_rows_follow_what_varies_besides_components(workplace, parameters, blind):
+    for name in ("m", "md", "hp_gan", "cao"):
+        workplace.write(f"r/{name}.yaml", name)
+    workplace.write("sweep.yaml", f"{{program: p, command: [sag, run, '${{args}}'], parameters: {{{parameters}}}}}")
+    rows = [row for row in planned(workplace) if row.name.startswith("blind")]
+    overlay = "--config=configs/methods/blind.yaml"
+    wanted = {name: ("sag", "run", overlay, f"--b.rate={rate}", f"--c={c}") for name, (rate, c) in blind.items()}
+    assert {row.name: row.command for row in rows} == wanted
+
+
+def test_other_programs_have_no_blind_row(workplace):
+    workplace.write("sweep.yaml", "{program: p, parameters: {components.depth: {values: [true, false]}}}")
+    assert [row.name for row in planned(workplace)] == ["d", "none"]
+
+
 def test_macros_without_hyphens_and_of_the_environment(workplace, monkeypatch):
     monkeypatch.setenv("PLACE", "here")
     workplace.write("s.yaml", """

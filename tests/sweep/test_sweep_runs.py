@@ -8,7 +8,7 @@ import pytest
 from sag.errors import SagError
 from sag.sweep import main
 
-ROWS = {"none", "c", "m", "mc"}
+ROWS = {"none", "c", "m", "mc", "blind"}
 ALL = {"encoders", "ground_truth", *ROWS}
 
 
@@ -24,7 +24,7 @@ def test_every_row_runs_once_with_its_place_in_the_environment(workplace, capsys
     assert call["environment"]["OMP_NUM_THREADS"] == call["environment"]["MKL_NUM_THREADS"]
     assert "hello from mc" in (workplace.out / "mc" / "log.txt").read_text()
     said = capsys.readouterr().out
-    assert "all 6 runs finished" in said and "sag report runs/trial" in said
+    assert "all 7 runs finished" in said and "sag report runs/trial" in said
 
 
 def test_threads_share_the_cores(workplace, monkeypatch):
@@ -40,7 +40,7 @@ def test_finished_rows_are_not_run_again(workplace, capsys):
     workplace.forget()
     assert main(["sweep.yaml", "--out", str(workplace.out)]) == 0
     assert workplace.names() == []
-    assert "6 finished before" in capsys.readouterr().out
+    assert "7 finished before" in capsys.readouterr().out
 
 
 def test_a_changed_config_runs_its_rows_again(workplace):
@@ -69,7 +69,7 @@ def test_a_failed_row_does_not_stop_the_others_and_is_tried_again(workplace, cap
     assert workplace.states() == {name: "failed" if name == "c" else "finished" for name in ALL}
     assert workplace.status("c")["reason"] == "exit status 1: ValueError: the scene is empty"
     said = capsys.readouterr().out
-    assert "1 of 6 runs failed" in said and "ValueError: the scene is empty" in said
+    assert "1 of 7 runs failed" in said and "ValueError: the scene is empty" in said
     assert "runs/trial/c/log.txt" in said
     workplace.wishes()
     workplace.forget()
@@ -118,7 +118,7 @@ def test_jobs_bound_how_many_rows_run_at_a_time(workplace):
 
 def test_seeds_and_extra_keys_reach_the_rows(workplace):
     workplace.write("extra.yaml", "b: 2")
-    main(["sweep.yaml", "--seeds", "1", "--config", "extra.yaml", "--set", "data.root=here", "--jobs", "6"])
+    main(["sweep.yaml", "--seeds", "1", "--config", "extra.yaml", "--set", "data.root=here", "--jobs", "7"])
     call = next(call for call in workplace.calls() if call["row"] == "mc-s0")
     assert call["arguments"][3:-1] == [
         "--config=extra.yaml", "--data.root=here", "--components.separate=true", "--components.context=true",

@@ -1,0 +1,131 @@
+"""`sag score FILE.npz --reference DATA`: every figure of a test for motions that something else has made."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import logging
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import lightning.pytorch as pl
+import yaml
+from jsonargparse import ArgumentError, ArgumentParser, Namespace
+
+from sag.data.base import MotionDataModule
+from sag.errors import SagError
+from sag.files import write_json, write_whole
+from sag.methods import GroundTruth, Recorded
+from sag.methods.base import Method
+from sag.metrics import collision_details
+from sag.metrics.clear_frames import RADII
+from sag.parsing import one_sentence
+from sag.report import show_scores
+from sag.scoring import Evaluation
+
+DATA_SETS = {"rooms": "sag.data.rooms.RoomsDataModule", "gta_im": "sag.data.gta_im.GtaImDataModule"}
+"""Data sets that `--reference` knows by name."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Scores a file of motions beside the ground truth, prints both and writes them to a file."""
+    options, data = _parsed(sys.argv[1:] if arguments is None else arguments)
+    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
+    motions = Recorded(options.file, data.skeleton.name, options.evaluation)
+    truth = GroundTruth(data.skeleton.name, motions.evaluation)
+    found = {method: _tested(method, data) for method in (motions, truth)}
+    content = {
+        "file": str(options.file),
+        "data": data.describe(),
+        "protocol": motions.protocol(),
+        "metrics": found[motions],
+        "ground_truth": found[truth],
+    }
+    out = options.out or options.file.with_suffix(".scores.json")
+    write_json(out, content)
+    show_scores(str(options.file), content)
+    if options.collisions:
+        _write_collisions(options.collisions, motions, data)
+        print(f"which bone touches what, and when, is in {options.collisions}")
+    print(f"the figures are in {out}")
+    return 0
+
+
+def _tested(method: Method, data: MotionDataModule) -> dict[str, float]:
+    trainer = pl.Trainer(accelerator="auto", devices=1, logger=False, enable_checkpointing=False)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*num_workers.*")
+        trainer.test(method, datamodule=data, verbose=False)
+    return {name.removeprefix("test/"): float(value) for name, value in trainer.callback_metrics.items()}
+
+
+def _write_collisions(path: Path, motions: Recorded, data: MotionDataModule) -> None:
+    """Every bone of every frame of the first motions that touches the scene, a line each, the widest radius."""
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(("window", "frame", "bone", "points", "depth_mm"))
+    skeleton = data.skeleton
+    for batch in data.test_dataloader():
+        for place, window in enumerate(batch.index.tolist()):
+            if window not in motions.rows:
+                continue
+            one = batch[place : place + 1]
+            joints = motions.sample(one).joints[0]
+            details = collision_details(joints, skeleton.bone_index, one.cloud, max(RADII))
+            for found in details.worst(skeleton.bones, count=details.points.numel()):
+                lines.writerow((window, found.frame, found.bone, found.points, f"{1000 * found.depth:.1f}"))
+    write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def _parsed(arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
+    parser = ArgumentParser(prog="sag score", description=__doc__, exit_on_error=False)
+    parser.add_argument("file", type=Path, help="motions, a .npz as `sag predict` writes it (see sag.data.motion_file)")
+    parser.add_argument(
+        "--reference",
+        required=True,
+        help=f"the data set: {', '.join(DATA_SETS)}, or a YAML file with a key `data`, such as a run's config.fit.yaml",
+    )
+    parser.add_argument("--out", type=Path | None, default=None, help="figures as JSON; FILE.scores.json by default")
+    parser.add_argument("--collisions", type=Path | None, default=None, help="CSV of which bone touches what, and when")
+    parser.add_subclass_arguments(MotionDataModule, "data", required=True)
+    parser.add_class_arguments(Evaluation, "evaluation")
+    try:
+        return _instantiated(parser, arguments)
+    except ArgumentError as error:
+        raise SagError(one_sentence(str(error))) from error
+
+
+def _instantiated(parser: ArgumentParser, arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
+    """Options and data; the data's own options may follow, such as --data.init_args.root."""
+    reference = _value_of("--reference", arguments)
+    known = [] if reference is None else [f"--data={json.dumps(_reference(reference))}"]
+    made = parser.instantiate_classes(parser.parse_args([*known, *arguments]))
+    return made, made.data
+
+
+def _value_of(option: str, arguments: Sequence[str]) -> str | None:
+    """What follows an option, as `--option value` or `--option=value`."""
+    for place, argument in enumerate(arguments):
+        if argument == option and place + 1 < len(arguments):
+            return arguments[place + 1]
+        if argument.startswith(f"{option}="):
+            return argument.partition("=")[2]
+    return None
+
+
+def _reference(name: str) -> dict[str, Any]:
+    """The data set that a name or a YAML file stands for, as class and options."""
+    if name in DATA_SETS:
+        return {"class_path": DATA_SETS[name]}
+    path = Path(name)
+    if not path.is_file():
+        raise SagError(f"--reference {name} is neither a file nor one of {', '.join(DATA_SETS)}")
+    try:
+        content = yaml.safe_load(path.read_text())
+        return dict(content["data"])
+    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        raise SagError(f"--reference {name} is no YAML file with a key `data` ({error!r})") from error
