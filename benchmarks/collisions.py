@@ -106,7 +106,7 @@ def _speed(name: str, timed: dict[str, Pairing]) -> Iterator[Claim]:
     other = {"numpy": "torch", "torch": "numpy"}[better]
     note = f"the better of two plain forms; {timed[other].ratio:.0f}x for {other}'s"
     yield faster(what, f"all points and bones, {better} float64", timed[better], LEAST, note)
-    yield faster(what, "the same by columns in blocks of the cache's size", timed["tuned"], None, "told, not asked")
+    yield faster(what, "the same by columns in blocks of the cache's size", timed["tuned"], None)
 
 
 def _equality(name: str, size: tuple[int, int], frames: int, timed: dict[str, Pairing]) -> Claim:

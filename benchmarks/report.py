@@ -30,7 +30,8 @@ def show(claims: Sequence[Claim], console: Console) -> None:
     console.print(table)
     for note in dict.fromkeys(f"{claim.what}: {claim.note}" for claim in claims if claim.note):
         console.print(f"- {note}", highlight=False)
-    console.print("Times are process seconds on one thread and ratios medians of paired rounds, unless said otherwise.")
+    console.print("Times are process seconds of one thread and ratios medians of paired rounds, unless said otherwise.")
+    console.print("A dash means that no bound is asked: the figure is told for whoever wants to know.")
     console.print(", ".join(f"{name} {number}" for name, number in versions().items()), highlight=False)
     console.print(", ".join(f"{name}: {value}" for name, value in machine().items()), highlight=False)
 

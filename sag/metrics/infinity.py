@@ -79,12 +79,11 @@ def _intercepts(generated: ClipFeatures, real: ClipFeatures, unit: Tensor, gener
     splits = [split for split in map(_parts, _PARTS) if (split @ sizes).min() >= 2]
     if len(splits) < 2:
         raise SagError("Motion FID for infinite N needs at least 4 motions, and of 2 sequences, to split them in parts")
-    device = next(iter(real.values())).device
-    figures = weighted_motion_fid(generated, real, piece.to(device), torch.cat(splits).to(device))
-    inverse = torch.stack([(1 / (split @ sizes)).mean() for split in splits]).to(device)
+    figures = weighted_motion_fid(generated, real, piece, torch.cat(splits))
+    inverse = torch.stack([(1 / (split @ sizes)).mean() for split in splits])
     lengths = [len(split) for split in splits]
     return {
-        name: _at_zero(inverse, torch.stack([part.mean() for part in each.split(lengths)]))
+        name: _at_zero(inverse.to(each.device), torch.stack([part.mean() for part in each.split(lengths)]))
         for name, each in figures.items()
     }
 

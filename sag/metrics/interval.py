@@ -47,8 +47,8 @@ def motion_fid_interval(
     moved along the distance itself, the root of F, whose spread depends little on its level. It answers what the
     figure *at this number of motions* may be; `motion_fid_infinity` is about the number.
 
-    Reacts to how few recordings there are and how they differ. Blind to the noise that a generator draws and to the
-    training run: other seeds differ by more than it shows.
+    Reacts to how few recordings there are and how they differ. Blind to the training run: another seed of it may
+    differ by more than this shows.
 
     Args:
         generated_features: of generated motions, see `clip_features`.
@@ -78,7 +78,7 @@ def motion_fid_interval(
         )
     count = int(group.max()) + 1
     weights = torch.cat([torch.ones(1, count, dtype=torch.float64), _resampled(count, resamples, seed)])
-    found = weighted_motion_fid(generated_features, real_features, group, weights.to(group.device))
+    found = weighted_motion_fid(generated_features, real_features, group, weights)
     return {name: _centred(figures[0], figures[1:], level) for name, figures in found.items()}
 
 
@@ -87,7 +87,7 @@ def _groups(sequence: Int[Tensor, " b"], motions: int) -> Int[Tensor, " b"]:
         raise SagError(
             f"the interval of Motion FID needs the sequence of each of {motions} motions, not {len(sequence)}"
         )
-    group = torch.unique(sequence, return_inverse=True)[1]
+    group = torch.unique(sequence.cpu(), return_inverse=True)[1]
     if group.max() < 1:
         raise SagError("the interval of Motion FID needs motions of at least 2 sequences, since it draws whole ones")
     return group

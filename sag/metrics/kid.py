@@ -49,8 +49,8 @@ def motion_kid(generated_features: ClipFeatures, real_features: ClipFeatures, mo
     """
     check_same_encoders("Motion KID", generated_features, real_features)
     places = [torch.arange(motions_of(side)) for side in (generated_features, real_features)]
-    sides = zip((generated_features, real_features), places)
-    return _kid(list(real_features), *(_one_clip_each(side, index)[_spread(index, most)] for side, index in sides))
+    sides, keys = zip((generated_features, real_features), places), list(real_features)
+    return _kid(keys, *(_one_clip_each(side, keys, index)[_spread(index, most)] for side, index in sides))
 
 
 class MotionKID(ClipMetric):
@@ -63,8 +63,8 @@ class MotionKID(ClipMetric):
 
     Clips of one motion are alike, and pairs of them would bias the mean upwards: so each motion gives one clip of
     each length, in turn from every place. Memory is bounded: beyond `most` motions of a side those are kept that a
-    fixed rule spreads evenly over the data set, 18 d numbers each. Windows of one recording are alike too, which
-    lifts the figure a little, on both sides.
+    fixed rule spreads evenly over the data set, 18 d numbers each. Windows of one recording are alike too;
+    that lifts the figure a little, and is left in.
 
     Reacts to poses and paths that true motions do not have, and to a lack of variety. Blind to the scene, to where a
     motion starts, to the given frame, and nearly so to jitter.
@@ -117,7 +117,7 @@ class MotionKID(ClipMetric):
             joints: 65 frames, metres, camera frame of frame 0; the given frame 0 is left out.
             real: whether these are true motions, for all or for each.
             index: place of each motion in the data set, which decides on its clips and whether it is kept, so that
-                batches, order and processes make no difference; counted on when not given.
+                batches, order and processes make no difference; counted on in each process when not given.
 
         Raises:
             SagError: another number of frames or joints, or a coordinate that is not finite.
@@ -140,7 +140,7 @@ class MotionKID(ClipMetric):
         for side, chosen in self._given(features, real).items():
             found = picked(features, chosen)
             places = self._count_on(side, motions_of(found)) if index is None else index[chosen]
-            self._keep(side, _one_clip_each(found, places), places)
+            self._keep(side, _one_clip_each(found, self.keys, places), places)
 
     def compute(self) -> dict[str, Tensor]:
         """KID as short, mid, long and average.
@@ -186,11 +186,13 @@ class MotionKID(ClipMetric):
         return clips[chosen], places[chosen]
 
 
-def _one_clip_each(features: ClipFeatures, index: Int[Tensor, " b"]) -> Float[Tensor, "b k d"]:
+def _one_clip_each(
+    features: ClipFeatures, keys: Sequence[tuple[int, int]], index: Int[Tensor, " b"]
+) -> Float[Tensor, "b k d"]:
     """One clip of each motion for each of k encoders and lengths, in turn from every place."""
-    device = next(iter(features.values())).device
+    device = features[keys[0]].device
     motions, index = torch.arange(motions_of(features), device=device), index.to(device)
-    return torch.stack([found[motions, index % found.shape[1]] for found in features.values()], dim=1)
+    return torch.stack([features[key][motions, index % features[key].shape[1]] for key in keys], dim=1)
 
 
 def _spread(index: Int[Tensor, " n"], most: int) -> Int[Tensor, " kept"]:

@@ -28,6 +28,8 @@ def weighted_motion_fid(
         group: the group of each motion, 0, 1, ..., the same on both sides.
         weights: rows of weights, 0 or more, one figure each.
     """
+    device = next(iter(real.values())).device
+    group, weights = group.to(device), weights.to(device)
     distances = {}
     for key in real:
         sides = [_weighted(side[key], group, weights.shape[1]) for side in (real, generated)]

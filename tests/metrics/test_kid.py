@@ -115,6 +115,15 @@ def test_motions_forward_and_reset(encoders, motions, others, sides):
     assert floats(copied.compute()) == pytest.approx(expected, abs=1e-12)
 
 
+def test_the_order_of_encoders_and_lengths_makes_no_difference(encoders, sides):
+    turned = dict(reversed(sides[1].items()))
+    assert motion_kid(turned, sides[0]) == motion_kid(sides[1], sides[0])
+    metric = MotionKID(encoders, ROOT)
+    metric.update_features(sides[0], real=True)
+    metric.update_features(turned, real=False)
+    assert metric.compute() == motion_kid(sides[1], sides[0])
+
+
 def test_a_collection_keeps_metrics_of_other_sizes_apart(encoders, sides):
     collection = MetricCollection({"few": MotionKID(encoders, ROOT, most=20), "all": MotionKID(encoders, ROOT)})
     for metric in collection.values():
