@@ -11,7 +11,7 @@ from torch import Tensor
 from benchmarks.claim import Claim, Say, faster
 from benchmarks.paired import Pairing, Work, paired
 from benchmarks.scenes import SIZES, furnished_room, motions, people
-from sag.metrics.clips import LENGTHS, ClipFeatures, clip_features
+from sag.metrics.fid.clips import LENGTHS, ClipFeatures, clip_features
 from sag.models.erd import MotionEncoders
 from sag.skeleton import GTA_IM_19
 from sag.types import GENERATED

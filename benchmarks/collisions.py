@@ -15,7 +15,7 @@ from benchmarks.claim import Claim, Say, faster
 from benchmarks.paired import Pairing, Work, paired
 from benchmarks.scenes import SIZES, Room, furnished_room, people
 from sag.geometry.camera import point_cloud
-from sag.metrics.collisions import collision_counts
+from sag.metrics.collisions.counts import collision_counts
 from sag.skeleton import GTA_IM_19
 
 LEAST = 250

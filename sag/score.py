@@ -22,7 +22,7 @@ from sag.files import write_json, write_whole
 from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
-from sag.metrics.clear_frames import RADII
+from sag.metrics.collisions.clear_frames import RADII
 from sag.parsing import one_sentence
 from sag.report import show_scores
 from sag.scoring import Evaluation

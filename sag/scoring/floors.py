@@ -10,7 +10,7 @@ from torch import Tensor
 
 from sag.data.base import MotionDataModule
 from sag.metrics import MotionFID, SceneFrechet, VelocityFrechet
-from sag.metrics.clips import ClipEncoders
+from sag.metrics.fid.clips import ClipEncoders
 from sag.scoring.judged import Judged
 from sag.scoring.named import named
 

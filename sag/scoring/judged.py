@@ -12,9 +12,9 @@ from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.geometry.camera import to_world
 from sag.geometry.relocation import relocated
-from sag.metrics.clips import ClipEncoders, ClipFeatures, clip_features
-from sag.metrics.floor_error import known_floor
-from sag.metrics.floor_from_depth import floor_under_feet
+from sag.metrics.fid.clips import ClipEncoders, ClipFeatures, clip_features
+from sag.metrics.scene.floor_error import known_floor
+from sag.metrics.scene.floor_from_depth import floor_under_feet
 from sag.types import Batch, DepthMap, KnownGeometry
 
 

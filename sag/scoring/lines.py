@@ -28,7 +28,7 @@ from sag.metrics import (
     SceneFrechet,
     VelocityFrechet,
 )
-from sag.metrics.clips import ClipEncoders
+from sag.metrics.fid.clips import ClipEncoders
 from sag.scoring.evaluation import Evaluation
 from sag.scoring.judged import Judged
 from sag.types import GENERATED

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from sag.data.base import MotionDataModule
 from sag.metrics import DepthError, motion_fid_infinity, motion_fid_interval
-from sag.metrics.clips import ClipEncoders, ClipFeatures
+from sag.metrics.fid.clips import ClipEncoders, ClipFeatures
 from sag.scoring.evaluation import Evaluation
 from sag.scoring.judged import Judged
 from sag.scoring.lines import lines_of

@@ -84,7 +84,7 @@ def test_refuses_what_does_not_fit_the_data_set(change, sentence, toy, joints, t
 def test_refuses_damaged_files(content, tmp_path):
     path = tmp_path / "damaged.npz"
     path.write_bytes(content)
-    with pytest.raises(SagError, match="damaged.npz"):
+    with pytest.raises(SagError, match=r"damaged\.npz"):
         read_motions(path)
     with pytest.raises(SagError, match="does not exist"):
         read_motions(tmp_path / "nothing.npz")

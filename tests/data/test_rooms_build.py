@@ -14,7 +14,7 @@ from sag.data.cache import DEPTH_UNIT, PERSON, WindowCache
 from sag.data.rooms import Recipe, RoomsDataModule, load_contact, load_geometry
 from sag.data.rooms.preview import sheet
 from sag.errors import SagError
-from sag.metrics.collisions import collision_counts
+from sag.metrics.collisions.counts import collision_counts
 from sag.skeleton import GTA_IM_19
 
 SIZES = {"train_rooms": 1, "test_rooms": 1, "views": 1, "recordings": 1, "image_size": (18, 32)}

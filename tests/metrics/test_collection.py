@@ -44,8 +44,8 @@ COMPANIONS = (
 def every_metric() -> list[type[Metric]]:
     """The public metrics of the package, those that are not exported included."""
     found: dict[str, type[Metric]] = {}
-    for module in pkgutil.iter_modules(sag.metrics.__path__):
-        for name, value in vars(importlib.import_module(f"sag.metrics.{module.name}")).items():
+    for module in pkgutil.walk_packages(sag.metrics.__path__, "sag.metrics."):
+        for name, value in vars(importlib.import_module(module.name)).items():
             ours = inspect.isclass(value) and issubclass(value, Metric) and value.__module__.startswith("sag.metrics")
             if ours and not name.startswith("_") and not inspect.isabstract(value):
                 found[name] = value

@@ -10,7 +10,7 @@ import torch.multiprocessing
 from torch import Tensor
 
 from sag.metrics import MotionFID, NonCollisionRatio
-from sag.metrics.kid import MotionKID
+from sag.metrics.fid.kid import MotionKID
 from sag.models.erd import MotionEncoders
 from sag.skeleton import GTA_IM_19
 from sag.types import DepthMap

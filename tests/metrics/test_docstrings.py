@@ -9,7 +9,11 @@ import pytest
 import sag.geometry
 import sag.metrics
 
-MODULES = [f"{p.__name__}.{m.name}" for p in (sag.metrics, sag.geometry) for m in pkgutil.iter_modules(p.__path__)]
+MODULES = [
+    module.name
+    for package in (sag.metrics, sag.geometry)
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+]
 
 
 def test_every_public_metric_has_an_example():

@@ -1,0 +1,1 @@
+"""Bodies against points: counts, the non-collision ratio, own scenes against others, one motion in detail."""

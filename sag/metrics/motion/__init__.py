@@ -1,0 +1,1 @@
+"""Motion alone: velocities, smoothness, bones, samples against each other and against the truth."""

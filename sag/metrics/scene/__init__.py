@@ -1,0 +1,1 @@
+"""Bodies against floor, furniture and depth: what fits the scene, and where feet are."""
