@@ -54,5 +54,5 @@ def claims(quick: bool, say: Say) -> Iterator[Claim]:
         theirs="",
         at_least=False,
         unit=" s",
-        note=f"wall time of one thread; untrained encoders; both sides counted; averages {distance:.3g} and {ratio:.3f}",
+        note=f"wall time of one thread; encoders untrained; both sides counted: {distance:.3g} and {ratio:.3f}",
     )

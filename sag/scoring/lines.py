@@ -67,13 +67,16 @@ def encoded_lines(data: MotionDataModule, encoders: ClipEncoders) -> list[Line]:
     """What compares features of clips."""
     root = data.skeleton.root_index
 
-    def compare(metric: Any, judged: Judged) -> None:
-        metric.update_features(judged.true_features, real=True)
-        metric.update_features(judged.features, real=False)
+    def compare(metric: Any, judged: Judged, **more: Any) -> None:
+        metric.update_features(judged.true_features, real=True, **more)
+        metric.update_features(judged.features, real=False, **more)
+
+    def compare_by_index(metric: Any, judged: Judged) -> None:
+        compare(metric, judged, index=judged.batch.index)
 
     return [
         Line("motion_fid", MotionFID(encoders, root), compare),
-        Line("motion_kid", MotionKID(encoders, root), compare),
+        Line("motion_kid", MotionKID(encoders, root), compare_by_index),
     ]
 
 

@@ -18,6 +18,9 @@ from sag.scoring.lines import lines_of
 from sag.scoring.named import named
 from sag.types import Batch
 
+FEWEST = 4
+"""Motions that can still be split into parts, to see how figures change with their number."""
+
 
 class Scores:
     """Everything that is measured of one way to make motions.
@@ -99,14 +102,15 @@ class Scores:
 
     def _certainty(self) -> dict[str, Tensor]:
         """The interval around Motion FID by resampling recordings, and its extrapolation to infinite N."""
-        if not self.kept:
+        if self.motions < FEWEST or not self.kept:
             return {}
         generated, real = joined([part[0] for part in self.kept]), joined([part[1] for part in self.kept])
         sequence = torch.cat([part[2] for part in self.kept])
-        found = named("motion_fid_infinity", motion_fid_infinity(generated, real, seed=self.evaluation.seed))
-        if len(sequence.unique()) > 1:
-            resamples, seed = self.evaluation.resamples, self.evaluation.seed
-            interval = motion_fid_interval(generated, real, sequence, resamples=resamples, seed=seed)["average"]
+        several = sequence if len(sequence.unique()) > 1 else None
+        resamples, seed = self.evaluation.resamples, self.evaluation.seed
+        found = named("motion_fid_infinity", motion_fid_infinity(generated, real, several, seed=seed))
+        if several is not None:
+            interval = motion_fid_interval(generated, real, several, resamples=resamples, seed=seed)["average"]
             found |= named("motion_fid_interval", {"low": interval.low, "high": interval.high})
         return found
 
