@@ -111,7 +111,7 @@ def test_survives_pickle_clone_and_reset(motions):
     expected = metric.compute()
     assert pickle.loads(pickle.dumps(metric)).compute() == expected == metric.clone().compute()
     metric.reset()
-    assert metric.real_count == 0
+    assert metric.real_motions == 0
 
 
 def test_forward_says_nothing_of_a_batch_with_one_side(motions):
