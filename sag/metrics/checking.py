@@ -9,7 +9,7 @@ from torch import Tensor
 from sag.errors import SagError
 from sag.types import FRAMES
 
-_DIMENSIONS = {4: "(motions, frames, joints, 3)", 5: "(windows, samples, frames, joints, 3)"}
+_DIMENSIONS = {3: "(frames, joints, 3)", 4: "(motions, frames, joints, 3)", 5: "(windows, samples, frames, joints, 3)"}
 
 
 def check_joints(
@@ -23,7 +23,7 @@ def check_joints(
         count: joints that it needs.
         exact: whether more joints are wrong too.
         frames: frames that it needs; any number when None.
-        dimensions: 4 of motions, 5 of several motions of each window.
+        dimensions: 3 of one motion, 4 of motions, 5 of several motions of each window.
 
     Raises:
         SagError: another number of dimensions, frames, joints or coordinates, or a coordinate that is not finite.

@@ -35,7 +35,8 @@ class Floors:
     def __init__(self, data: MotionDataModule, groups: Groups, seed: int, device: torch.device | str) -> None:
         self.groups, self.seed = groups, seed
         splits = SPLITS if groups.count > 1 else 0
-        self.sides = random_halves(torch.as_tensor(groups.of_rows).long(), splits, seed) if splits else []
+        none = torch.zeros(0, len(groups.rows), dtype=torch.long)
+        self.sides = random_halves(torch.as_tensor(groups.of_rows).long(), splits, seed) if splits else none
         joints, root = len(data.skeleton.joints), data.skeleton.root_index
         self.velocity = [VelocityFrechet(data.fps, joints).to(device) for _ in range(splits)]
         self.scene = [SceneFrechet(root).to(device) for _ in range(splits)]

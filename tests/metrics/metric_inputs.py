@@ -59,21 +59,22 @@ def usual_settings() -> dict[str, Any]:
 
 def toy_inputs() -> dict[str, Any]:
     """What updates ask for, by name; in float64."""
-    samples = torch.from_numpy(walks(WINDOWS * SAMPLES, np.random.default_rng(0))).double()
-    samples = samples.unflatten(0, (WINDOWS, SAMPLES))
-    joints = samples[:, 0]
+    motions = torch.from_numpy(walks(WINDOWS * (SAMPLES + 1), np.random.default_rng(0))).double()
+    motions = motions.unflatten(0, (WINDOWS, SAMPLES + 1))
+    joints, samples = motions[:, 0], motions[:, 1:]
     world = joints[..., [0, 2, 1]] * torch.tensor([1, 1, -1])
     world[..., 2] -= world[:, :1, FEET, 2].amin((1, 2))[:, None, None] - 0.085
-    camera = torch.tensor([[60.0, 0, 32], [0, 60, 18], [0, 0, 1]]).expand(WINDOWS, 3, 3)
-    depth = torch.linspace(3, 6, 64).expand(WINDOWS, 36, 64)
+    camera = torch.tensor([[120.0, 0, 64], [0, 120, 36], [0, 0, 1]]).expand(WINDOWS, 3, 3)
+    depth = torch.linspace(3, 6, 128).expand(WINDOWS, 72, 128)
+    through_the_body = joints[:, 32, GTA_IM_19.root_index, 2].float()[:, None, None]
     return {
         "samples": samples,
         "joints": joints,
-        "moved": joints + torch.tensor([0.5, 0, 0]),
+        "moved": joints + torch.tensor([0.1, 0, 0]),
         "world": world,
         "floor": torch.zeros(WINDOWS, 65, 2).double(),
         "cloud": DepthMap(depth, camera),
-        "moved_cloud": DepthMap(depth.flip(2), camera),
+        "moved_cloud": DepthMap(through_the_body.expand_as(depth), camera),
         "geometry": [Ground()] * WINDOWS,
         "real": torch.arange(WINDOWS) % 2 == 0,
         "index": torch.arange(WINDOWS),
