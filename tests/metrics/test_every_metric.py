@@ -3,6 +3,7 @@
 import pickle
 from typing import Any
 
+import jaxtyping
 import matplotlib
 import numpy as np
 import pytest
@@ -19,6 +20,9 @@ from metric_inputs import (
     toy_inputs,
     usual_settings,
 )  # fmt: skip
+
+from sag.errors import SagError
+from sag.metrics.sides import TwoSides
 
 matplotlib.use("Agg")
 EVERY = pytest.mark.parametrize("kind", every_metric(), ids=lambda kind: kind.__name__)
@@ -105,10 +109,29 @@ def test_reads_any_precision_and_sums_in_float64(kind, dtype, settings, inputs):
     assert all(state.dtype in (torch.float64, torch.int64) for state in tensors)
 
 
+@pytest.mark.parametrize("name", ["samples", "joints", "world"])
 @EVERY
+def test_refuses_motions_of_other_dimensions(kind, name, settings, inputs, monkeypatch):
+    monkeypatch.setattr(jaxtyping.config, "jaxtyping_disable", True)  # as it is where shapes are not checked
+    given = asked(kind, inputs)
+    for missing in range(2) if name in given else ():
+        few = {**given, name: given[name][0] if missing else given[name][0, 0]}
+        with pytest.raises(SagError, match=r"needs joints of shape|moved elsewhere"):
+            built(kind, settings).update(**few)
+
+
+@EVERY
+def test_a_run_in_low_precision_changes_no_figure(kind, settings, inputs):
+    settings = {**settings, "encoders": usual_settings()["encoders"].float()}
+    inputs = as_type(inputs, torch.float32)
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        metric = fed(built(kind, settings), inputs)
+        found = numbers(metric.compute())
+    assert found == numbers(fed(built(kind, settings), inputs).compute())
+
+
+@pytest.mark.parametrize("kind", [kind for kind in every_metric() if issubclass(kind, TwoSides)])
 def test_counts_one_truth_value_however_it_is_given(kind, settings, inputs):
-    if "real" not in asked(kind, inputs):
-        pytest.skip("has one side")
     found, one, each = [], torch.tensor(True), torch.ones(WINDOWS, dtype=torch.bool)
     for true, false in ((True, False), (np.bool_(True), np.bool_(False)), (one, ~one), (each, ~each)):
         metric = built(kind, settings)

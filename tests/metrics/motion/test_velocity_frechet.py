@@ -150,5 +150,8 @@ def test_refuses_to_compare_with_nothing(motions):
     metric.update(motions, real=True)
     with pytest.raises(SagError, match="2 generated motions"):
         metric.compute()
+    metric.update(motions[:1], real=False)
+    with pytest.raises(SagError, match="2 generated motions, it was given 1"):
+        metric.compute()
     with pytest.raises(SagError, match="fps"):
         VelocityFrechet(0, joints=19)
