@@ -17,14 +17,15 @@ class SceneAwareness(ClearFramesMetric):
     Not the paper's. With c the share of frames that are not clear (see `NonCollisionRatio`), averaged over radii and
     thresholds, `matched` is c in the scenes that the motions were made for, `elsewhere` is c of the same frames of the
     same motions moved to other scenes (`sag.geometry.relocation.relocated`), and ratio = matched / elsewhere. Every
-    motion counts in both, so how much or how fast people move cancels out: only what is fitted to the scene is left.
+    motion counts in both.
 
     It reacts to scenes: motions in the wrong ones have a ratio about 1. It does not react to jitter of 1 mm, nor to the
     level of collisions alone, since clouds of twice the density or fatter bones raise both shares. It is blind to
-    what the sensor did not see.
+    what the sensor did not see, and to motions that go nowhere: who holds frame 0 collides in no scene, since every
+    start is free ground. So read it beside Motion FID, which such motions fail.
 
-    A system that never looks at the scene has a ratio below 1 too, since everybody starts on free ground. Read the
-    ratio against a blind row, which is its zero: the same system with its scene feature zeroed.
+    Its zero is the figure of a blind row: the same system with its scene feature zeroed. It may lie on either side
+    of 1, for frame 0 is given and fits its own scene.
 
     Args:
         bones: places of the two joints of each bone.
