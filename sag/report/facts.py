@@ -69,8 +69,8 @@ HOW_TO_READ = (
 
 
 FURTHER_COUNTS = {
-    "groups": "{} that floors and intervals are made of",
-    "resamples": "{} resamples of them (interval)",
+    "groups": "floors and intervals from {}",
+    "resamples": "{} resamples (interval)",
     "samples": "K = {} samples of each window (diversity, best of K)",
     "collision_shape": "bones as {}s (non-collision)",
     "floor": "the floor under feet is {}",

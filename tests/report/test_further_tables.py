@@ -187,7 +187,7 @@ def test_counts_of_a_newer_protocol_are_said(runs):
     runs.add("m", protocol={"samples": 5, "groups": "18 rooms", "resamples": 200})
     assert main([str(runs.folder)]) == 0
     text = (runs.folder / "table.md").read_text()
-    assert "18 rooms that floors and intervals are made of, 200 resamples of them (interval), K = 5 samples" in text
+    assert "floors and intervals from 18 rooms, 200 resamples (interval), K = 5 samples" in text
 
 
 @pytest.mark.parametrize(
