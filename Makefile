@@ -45,6 +45,11 @@ ablation: install ## Train and test all 16 combinations of M, D, P, C and lay th
 table1: install ## The six rows of the paper's Table 1.
 	@$(call sweep,table1)
 
+.PHONY: figure7
+figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far trajectories to one end point part.
+	@$(call sweep,figure7)
+	$(BIN)/sag figure7 $(call folder,figure7) --out $(call folder,figure7)
+
 .PHONY: preview
 preview: install ## Draw windows of the synthetic rooms with their motion into runs/preview.png.
 	$(BIN)/sag data rooms --preview runs/preview.png

@@ -13,6 +13,8 @@ TOOLS = {
     "score": "every figure of a test for motions from a file",
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
+    "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
+    "extend": "samples motions of any length from a trained run",
 }
 """Subcommands that do not train, with what they do."""
 
@@ -52,6 +54,10 @@ def _tool(name: str) -> Callable[[list[str]], int]:
         from sag.score import main as tool
     elif name == "sweep":
         from sag.sweep import main as tool
+    elif name == "figure7":
+        from sag.figure7 import main as tool
+    elif name == "extend":
+        from sag.extend import main as tool
     else:
         from sag.report import main as tool
     return tool

@@ -20,7 +20,7 @@ def generator_loss(fake: Float[Tensor, " b"]) -> Float[Tensor, ""]:
 
 
 def gradient_penalty(
-    critic: Callable[[Tensor], Tensor], real: Tensor, fake: Tensor, target: float
+    critic: Callable[[Tensor], Tensor], real: Tensor, fake: Tensor, target: float, axes: int = 1
 ) -> Float[Tensor, ""]:
     """Mean of (norm of the critic's gradient - target)^2 at random mixtures of real and fake (WGAN-GP).
 
@@ -29,12 +29,13 @@ def gradient_penalty(
         real: views of true motions, batch first.
         fake: views of generated motions.
         target: the paper's is 0.1; Gulrajani et al. have 1.
+        axes: leading axes that keep norms of their own: 1 asks for one norm of a view, 2 for one of each frame.
     """
     share = torch.rand(len(real), *[1] * (real.dim() - 1), dtype=real.dtype, device=real.device)
     mixture = (share * real + (1 - share) * fake).detach().requires_grad_()
     (gradient,) = torch.autograd.grad(critic(mixture).sum(), mixture, create_graph=True)
     # A norm's own derivative is undefined at zero, and a dead critic has zero gradient.
-    norm = (gradient.flatten(1).square().sum(dim=1) + 1e-12).sqrt()
+    norm = (gradient.flatten(axes).square().sum(dim=axes) + 1e-12).sqrt()
     return (norm - target).square().mean()
 
 

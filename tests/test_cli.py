@@ -179,7 +179,7 @@ def test_a_checkpoints_own_settings_do_not_overrule_flags(
     state["hyper_parameters"] = {"penalty": 3.0, "_class_path": "sag.methods.SAG"}
     torch.save(state, tmp_path / "with.ckpt")
     tested: list[float] = []
-    monkeypatch.setattr(SAG, "on_test_end", lambda method: tested.append(method.penalty))
+    monkeypatch.setattr(SAG, "on_test_end", lambda method: tested.append(method.recipe.penalty))
     options = ["--model.init_args.penalty", "7", "--trainer.default_root_dir", str(tmp_path / "tested")]
     dry = ["--trainer.fast_dev_run", "true", "--ckpt_path", str(tmp_path / "with.ckpt")]
     assert main(["test", *base, *options, *dry]) == 0

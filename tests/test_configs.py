@@ -1,15 +1,22 @@
 """Every YAML in configs/ is a run: it fits, tests and predicts, laid over the base as the README says."""
 
+import dataclasses
+import inspect
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
+import sag.methods
 from sag.cli import main
 
 ROOT = Path(__file__).parent.parent
 CONFIGS = ROOT / "configs"
 ALL = sorted(str(p.relative_to(CONFIGS)) for p in CONFIGS.rglob("*.yaml") if p.name != "base.yaml")
 ROWS = sorted((CONFIGS / "ablations").glob("*.yaml"))
+WITHOUT_SIZES = ("methods/erd.yaml", "methods/ground_truth.yaml")
 
 TINY = """
 model: {init_args: {network: {width: 0.05}}}
@@ -24,7 +31,7 @@ WITHOUT_NETWORK = TINY.replace("model: {init_args: {network: {width: 0.05}}}", "
 
 def command(stage: str, name: str, folder: Path, cache: Path) -> list[str]:
     """A command that lays one config, and then tiny data, over the base."""
-    text = WITHOUT_NETWORK if name.startswith("methods") else TINY
+    text = WITHOUT_NETWORK if name in WITHOUT_SIZES else TINY
     tiny = folder / "tiny.yaml"
     tiny.write_text(text.replace("CACHE", str(cache)).replace("RUN", str(folder)))
     configs = [CONFIGS / "base.yaml", CONFIGS / name, tiny]
@@ -42,10 +49,29 @@ def test_every_config_runs(name: str, stage: str, tmp_path: Path, toy_cache: Pat
     assert main(command(stage, name, tmp_path, toy_cache)) == 0
 
 
+def recipe_of(name: str) -> Any:
+    """The recipe that the method of a config has by default, if it has one."""
+    kind = yaml.safe_load((CONFIGS / name).read_text()).get("model", {}).get("class_path", "")
+    parameters = inspect.signature(getattr(sag.methods, kind.rpartition(".")[2], object)).parameters
+    return parameters["recipe"].default if "recipe" in parameters else None
+
+
+@pytest.mark.parametrize("preset", ["quick", "paper"])
+@pytest.mark.parametrize("name", [name for name in ALL if recipe_of(name)])
+def test_presets_scale_a_baseline_and_leave_its_recipe(
+    name: str, preset: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    layers = ["base.yaml", f"presets/{preset}.yaml", "data/rooms.yaml", name]
+    with pytest.raises(SystemExit):
+        main(["fit", *(f"--config={CONFIGS / layer}" for layer in layers), "--print_config"])
+    found = yaml.safe_load(capsys.readouterr().out)["model"]["init_args"]
+    assert found["recipe"] == json.loads(json.dumps(dataclasses.asdict(recipe_of(name))))
+    assert found["network"]["width"] == {"quick": 0.25, "paper": 1.0}[preset]
+    assert set(found) == {"network", "recipe", "evaluation"}
+
+
 @pytest.mark.parametrize("path", ROWS, ids=lambda p: p.stem)
 def test_a_row_is_four_booleans_and_its_name(path: Path) -> None:
-    import yaml
-
     from sag.components import Components
 
     content = yaml.safe_load(path.read_text())

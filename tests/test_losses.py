@@ -19,6 +19,13 @@ def test_penalty_of_a_linear_critic(target: float) -> None:
     assert found.item() == pytest.approx((norm - target).square().item(), rel=1e-6)
 
 
+def test_penalty_of_each_frame() -> None:
+    weight = torch.randn(3, 5, dtype=torch.float64)
+    real, fake = torch.randn(2, 4, 3, 5, dtype=torch.float64)
+    found = gradient_penalty(lambda x: (x * weight).sum((1, 2)), real, fake, 1.0, axes=2)
+    assert found.item() == pytest.approx((weight.norm(dim=1) - 1).square().mean().item(), rel=1e-6)
+
+
 def test_penalty_trains_the_critic_and_not_the_views() -> None:
     weight = torch.randn(5, requires_grad=True)
     fake = torch.randn(4, 5, requires_grad=True)

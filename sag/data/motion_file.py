@@ -2,7 +2,8 @@
 
 A file is a `.npz` with `joints` (n, k, 65, j, 3) or (n, 65, j, 3), metres in the camera frame of frame 0 (x right, y
 down, z forward), the given frame first. `index` (n,) names the window of the data set that each continues; without
-it there is one for each test window, in order. `fps` and `skeleton` are checked where they are there.
+it there is one for each test window, in order. `fps` and `skeleton` are checked where they are there. `sag extend`
+writes longer motions in the same form; they are not read here, since figures are of 65 frames.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class MotionFile:
     """
 
     path: Path
-    joints: Float[np.ndarray, "n k 65 j 3"]
+    joints: Float[np.ndarray, "n k t j 3"]
     index: Int[np.ndarray, " n"] | None = None
     fps: float | None = None
     skeleton: str | None = None

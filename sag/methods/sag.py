@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -20,16 +18,16 @@ from sag.components import (
     build_generator,
 )
 from sag.errors import SagError
-from sag.losses import critic_loss, generator_loss, gradient_penalty
-from sag.methods.base import Method, Sample
-from sag.models.critics import Critic
+from sag.methods.base import Sample
+from sag.methods.wgan import WGAN, Recipe
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
 from sag.scoring import Evaluation
+from sag.skeleton import skeleton_named
 from sag.types import Batch, Condition, DepthMap, Motion
 
 
-class SAG(Method):
+class SAG(WGAN):
     """Scene-aware generative network, a WGAN-GP trained by manual optimisation (paper, 3 and 4.2).
 
     Args:
@@ -47,8 +45,6 @@ class SAG(Method):
         weights: factor on each loss of the generator by its name; 1 where none is given.
     """
 
-    generator_steps: Tensor
-
     def __init__(
         self,
         components: Components | None = None,
@@ -64,48 +60,37 @@ class SAG(Method):
         average: float = 0.0,
         weights: dict[str, float] = {},
     ) -> None:
-        super().__init__(skeleton, evaluation)
-        self.automatic_optimization = False
-        self.components = components or Components()
-        scale = MotionScale(len(self.skeleton.joints), self.skeleton.root_index, network.units)
-        generator = build_generator(self.components, network, self.skeleton, scale)
-        self.sampler = Sampler(build_encoder(network), generator, scale)
-        self.depth = build_depth(self.components, network, image_size)
-        critics = build_critics(self.components, network, self.skeleton, scale)
-        self.critics: Mapping[str, Critic] = nn.ModuleDict(critics)  # type: ignore[assignment]
+        components = components or Components()
+        body = skeleton_named(skeleton)
+        scale = MotionScale(len(body.joints), body.root_index, network.units)
+        generator = build_generator(components, network, body, scale)
+        sampler = Sampler(build_encoder(network), generator, scale)
+        depth = build_depth(components, network, image_size)
+        critics = build_critics(components, network, body, scale)
+        recipe = Recipe(learning_rate, betas, penalty=penalty, penalty_target=penalty_target)
+        super().__init__(sampler, critics, recipe, skeleton, evaluation, self._checked(weights))
+        self.components, self.network = components, network
+        self.depth = depth
         self.averaged = _averaged(self.sampler, average)
-        self.register_buffer("generator_steps", torch.zeros((), dtype=torch.int64))
-        self.network = network
-        self.learning_rate, self.betas = learning_rate, betas
-        self.critic_steps, self.penalty, self.penalty_target = critic_steps, penalty, penalty_target
-        self.weights = self._checked(weights)
+        self.critic_steps = critic_steps
 
-    def _checked(self, weights: dict[str, float]) -> dict[str, float]:
+    @staticmethod
+    def _checked(weights: dict[str, float]) -> dict[str, float]:
         for name in weights:
             if name not in LOSSES:
                 raise SagError(f"model.init_args.weights names {name!r}; losses are {', '.join(LOSSES)}")
         return {name: weights.get(name, 1.0) for name in LOSSES}
 
-    @property
-    def trained(self) -> bool:
-        """Whether the generator has taken a step."""
-        return bool(self.generator_steps > 0)
-
     def prepare(self, motion: Motion) -> None:
         """Takes normalisation from the training split's motion, and says what the scene encoder starts from."""
         self.print(f"the scene encoder starts from {self.network.imagenet or 'random weights, not from ImageNet'}")
-        self.sampler.scale.fit(motion)
+        super().prepare(motion)
         for averaged in self._averages():
             averaged.module.scale.load_state_dict(self.sampler.scale.state_dict())
 
     def configure_optimizers(self) -> tuple[torch.optim.Optimizer, torch.optim.Optimizer]:
         """One Adam for encoder, depth decoder and generators, one for all critics."""
-
-        def adam(*modules: Any) -> torch.optim.Optimizer:
-            parameters = itertools.chain.from_iterable(m.parameters() for m in modules)
-            return torch.optim.Adam(parameters, self.learning_rate, self.betas)
-
-        return adam(self.sampler, self.depth), adam(self.critics)
+        return self._adam(self.sampler, self.depth), self._adam(self.critics)
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Every batch trains the critics, and every `critic_steps`-th one of the whole fit the generator too."""
@@ -121,41 +106,10 @@ class SAG(Method):
         if generator_due:
             self._train_generator(fake, seen, depth, losses)
 
-    def _train_critics(self, real: Motion, fake: Motion, condition: Condition, depth: DepthMap) -> None:
-        total = torch.zeros((), device=self.device)
-        logged: dict[str, Tensor] = {}
-        for name, critic in self.critics.items():
-            real_view, fake_view = critic.view(real, depth), critic.view(fake, depth)
-            loss = critic_loss(critic(real_view, condition), critic(fake_view, condition))
-
-            def score(view: Tensor, critic: Critic = critic) -> Tensor:
-                return critic(view, condition)
-
-            penalty = gradient_penalty(score, real_view, fake_view, self.penalty_target)
-            total = total + loss + self.penalty * penalty
-            logged |= {f"train/critic/{name}": loss.detach(), f"train/penalty/{name}": penalty.detach()}
-        self._step(1, total)
-        self.log_dict(logged)
-
-    def _train_generator(self, fake: Motion, condition: Condition, depth: DepthMap, losses: dict[str, Tensor]) -> None:
-        for parameter in self.critics.parameters():  # type: ignore[attr-defined]
-            parameter.requires_grad_(False)
-        for name, critic in self.critics.items():
-            losses[name] = generator_loss(critic(critic.view(fake, depth), condition))
-        self._step(0, sum(self.weights[name] * loss for name, loss in losses.items()))
-        for parameter in self.critics.parameters():  # type: ignore[attr-defined]
-            parameter.requires_grad_(True)
+    def _train_generator(self, fake: Motion, condition: Condition, scene: DepthMap, losses: dict[str, Tensor]) -> None:
+        super()._train_generator(fake, condition, scene, losses)
         for averaged in self._averages():
             averaged.update_parameters(self.sampler)
-        self.generator_steps = self.generator_steps + 1
-        self.log_dict({f"train/generator/{name}": loss.detach() for name, loss in losses.items()})
-        self.log("train/generator_step", self.generator_steps.float())
-
-    def _step(self, which: int, loss: Any) -> None:
-        optimizer: Any = self.optimizers()[which]  # type: ignore[index]
-        optimizer.zero_grad(set_to_none=True)
-        self.manual_backward(loss)
-        optimizer.step()
 
     def _averages(self) -> list[Any]:
         """The averaged sampler, if there is one."""

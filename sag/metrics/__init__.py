@@ -17,6 +17,7 @@ from sag.metrics.motion.best_of_k import BestOfK, motion_error
 from sag.metrics.motion.bone_drift import BoneDrift, bone_drift
 from sag.metrics.motion.pairwise_distance import AveragePairwiseDistance, pairwise_distance
 from sag.metrics.motion.sample_deviation import SampleDeviation, sample_deviation
+from sag.metrics.motion.seams import SeamJerk, seam_jerks, velocity_jumps
 from sag.metrics.motion.smoothness import Acceleration, Jerk
 from sag.metrics.motion.velocity_frechet import VelocityFrechet, velocity_frechet
 from sag.metrics.scene.depth_error import DepthError, depth_errors
@@ -45,6 +46,7 @@ __all__ = [
     "SampleDeviation",
     "SceneAwareness",
     "SceneFrechet",
+    "SeamJerk",
     "VelocityFrechet",
     "bone_drift",
     "clip_features",
@@ -66,5 +68,7 @@ __all__ = [
     "pairwise_distance",
     "points_in_capsules",
     "sample_deviation",
+    "seam_jerks",
     "velocity_frechet",
+    "velocity_jumps",
 ]

@@ -96,6 +96,14 @@ class MotionCritic(Critic):
         return self.network(view, torch.cat([condition.feature, condition.initial_pose], dim=1))
 
 
+class SequenceCritic(Critic):
+    """HP-GAN's critic and Two-Stage's second: X at all 65 frames, seen from the start, one vector each."""
+
+    def view(self, motion: Motion, scene: DepthMap) -> Float[Tensor, "b 65 c"]:
+        """P + R in units of its deviation, the joints of a frame in a row."""
+        return self.scale.vectors(motion)
+
+
 class ProjectionCritic(Critic):
     """P, Table 8: X as the camera sees it, so that size and place in the picture must fit (paper, 3.3.1)."""
 

@@ -91,6 +91,17 @@ class MotionScale(nn.Module):
         reach = REACH if self.units == "zscore" else REACH_METRES[1]
         return self.motion_mean + reach * self.motion_std * unit
 
+    def vectors(self, motion: Motion) -> Float[Tensor, "b t c"]:
+        """X relative to its start as one vector of z-scores for each frame, the root included."""
+        joints = motion.trajectory[:, :, None] + motion.pose
+        return ((joints - self.motion_mean) / self.motion_std).flatten(2)
+
+    def continued(self, given: Motion, vectors: Float[Tensor, "b n c"]) -> Motion:
+        """Frame 0 of `given` and the frames that such vectors stand for; R and P are read off X."""
+        joints = self.motion_mean + self.motion_std * vectors.unflatten(2, (-1, 3))
+        trajectory = joints[:, :, self.root]
+        return given.first.continued(trajectory, joints - trajectory[:, :, None])
+
 
 def _quantile(values: Tensor, fraction: float) -> Tensor:
     """`torch.quantile` without its limit on the number of values."""

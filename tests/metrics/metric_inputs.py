@@ -54,6 +54,7 @@ def usual_settings() -> dict[str, Any]:
         "feet": FEET,
         "fps": 30.0,
         "joints": len(GTA_IM_19.joints),
+        "seams": (30,),
     }
 
 

@@ -1,0 +1,111 @@
+"""Trained runs, read again from what they left in their folders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+import yaml
+from jsonargparse import ArgumentError, ArgumentParser
+
+from sag.checkpoints import WholeCheckpoints
+from sag.components import Components
+from sag.data.base import MotionDataModule
+from sag.errors import SagError
+from sag.methods.base import Method
+from sag.parsing import one_sentence
+
+CONFIG = "config.fit.yaml"
+CHECKPOINT = Path("checkpoints") / "last.ckpt"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A method as it was trained, with its data.
+
+    Attributes:
+        name: of the folder.
+        method: with its weights, ready to sample.
+        data: what it was trained on.
+    """
+
+    name: str
+    method: Method
+    data: MotionDataModule
+
+
+def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Run]:
+    """The trained methods of some folders.
+
+    Args:
+        folders: of runs, or of sweeps: then of all their finished rows.
+        cache_dir: where the window caches are, if not where the runs had them.
+
+    Raises:
+        SagError: a folder holds no run, a file is missing or damaged, or the runs cannot be compared.
+    """
+    places = [place for folder in folders for place in _places(folder)]
+    names = [place.resolve().name for place in places]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise SagError(f"two of the runs are called {twice[0]!r}, and a figure tells them apart by name: rename one")
+    runs = [_read(place, name, cache_dir) for place, name in zip(places, names)]
+    _check_comparable(runs)
+    return runs
+
+
+def _places(folder: Path) -> list[Path]:
+    """The folder itself, or the finished rows in it: those with figures and a checkpoint."""
+    if (folder / CONFIG).is_file():
+        return [folder]
+    rows = sorted(path.parent for path in folder.glob("*/metrics.json"))
+    found = [row for row in rows if (row / CONFIG).is_file() and (row / CHECKPOINT).is_file()]
+    if not found:
+        raise SagError(f"{folder} holds neither a run ({CONFIG}) nor finished rows of a sweep; train one by sag fit")
+    return found
+
+
+def _read(folder: Path, name: str, cache_dir: Path | None) -> Run:
+    content = _config(folder / CONFIG)
+    if cache_dir is not None:
+        content["data"].setdefault("init_args", {})["cache_dir"] = str(cache_dir)
+    parser = ArgumentParser(exit_on_error=False)
+    parser.add_argument("--components", type=Components | None, default=None)
+    parser.add_subclass_arguments(Method, "model", required=True)
+    parser.add_subclass_arguments(MotionDataModule, "data", required=True)
+    parser.link_arguments("components", "model.init_args.components")
+    for argument in ("skeleton", "image_size"):
+        parser.link_arguments(f"data.init_args.{argument}", f"model.init_args.{argument}")
+    try:
+        made = parser.instantiate_classes(parser.parse_object(content))
+    except ArgumentError as error:
+        raise SagError(f"{folder / CONFIG} is not of this version: {one_sentence(str(error))}") from error
+    checkpoint = WholeCheckpoints().load_checkpoint(folder / CHECKPOINT)
+    made.model.on_load_checkpoint(checkpoint)
+    made.model.load_state_dict(checkpoint["state_dict"])
+    if not made.model.trained:
+        raise SagError(f"{folder / CHECKPOINT} is of a {type(made.model).__name__} that was not trained to the end")
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    return Run(name, made.model.to(device).eval(), made.data)
+
+
+def _config(path: Path) -> dict[str, Any]:
+    try:
+        content = yaml.safe_load(path.read_text())
+        return {name: content[name] for name in ("components", "model", "data")}
+    except (yaml.YAMLError, KeyError, TypeError) as error:
+        raise SagError(f"{path} is not the config of a run ({error!r}); train it again") from error
+
+
+def _check_comparable(runs: Sequence[Run]) -> None:
+    """Refuses to lay runs on different windows, joints or pictures side by side."""
+    first = runs[0]
+    for run in runs[1:]:
+        if run.data.cache.fingerprint != first.data.cache.fingerprint:
+            raise SagError(
+                f"{first.name} and {run.name} cannot stand in one figure: their data are {first.data.name} "
+                f"{first.data.cache.fingerprint} and {run.data.name} {run.data.cache.fingerprint}; train them alike"
+            )
