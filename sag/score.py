@@ -27,7 +27,11 @@ from sag.parsing import one_sentence
 from sag.report import show_scores
 from sag.scoring import Evaluation
 
-DATA_SETS = {"rooms": "sag.data.rooms.RoomsDataModule", "gta_im": "sag.data.gta_im.GtaImDataModule"}
+DATA_SETS = {
+    "rooms": "sag.data.rooms.RoomsDataModule",
+    "gta_im": "sag.data.gta_im.GtaImDataModule",
+    "prox": "sag.data.prox.ProxDataModule",
+}
 """Data sets that `--reference` knows by name."""
 
 

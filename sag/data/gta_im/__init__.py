@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 from collections import Counter
@@ -12,19 +13,21 @@ from typing import Any
 import numpy as np
 
 from sag.data.base import MotionDataModule
-from sag.data.cache import DEPTH_UNIT, SPLITS, WindowCache, open_or_build, write_cache
-from sag.data.gta_im.convert import convert, scratch_folder
+from sag.data.cache import DEPTH_UNIT, WindowCache, open_or_build, write_cache
+from sag.data.gta_im.convert import convert, counted
 from sag.data.gta_im.filters import Limits
 from sag.data.gta_im.plan import Plan, planned
+from sag.data.gta_im.reader import GTA_IM
 from sag.data.gta_im.recording import joint_places, recordings_in
 from sag.data.gta_im.splits import RoomSplit
 from sag.data.gta_im.views import WindowFormat
+from sag.data.scratch import scratch_folder
 from sag.errors import SagError
 
 DEFAULT_LIMITS = Limits()
 """What a window must keep to when a config says nothing."""
 
-VERSION = 1
+VERSION = 2
 """Raised when the same recordings give other bytes, so that old caches are not used."""
 
 FARTHEST = np.iinfo(np.uint16).max * DEPTH_UNIT
@@ -53,6 +56,7 @@ class GtaImDataModule(MotionDataModule):
         limits: what a window must keep to.
         cloud_step: of the native depth every so many rows and columns go to the test windows' clouds; 1 is the
             sensor's own resolution, 4 MB a window.
+        skip_broken: leaves recordings out that cannot be read, with a note that names each; otherwise they are errors.
         cache_dir: folder that holds the window caches.
         skeleton: name of the skeleton, see `sag.skeleton.SKELETONS`.
         image_size: rows and columns of the picture; the paper's is 288 x 512.
@@ -61,6 +65,7 @@ class GtaImDataModule(MotionDataModule):
     """
 
     name = "gta_im"
+    reader = GTA_IM
 
     def __init__(
         self,
@@ -73,6 +78,7 @@ class GtaImDataModule(MotionDataModule):
         val_share: float = 0.05,
         limits: Limits = DEFAULT_LIMITS,
         cloud_step: int = 1,
+        skip_broken: bool = False,
         cache_dir: Path = Path("data"),
         skeleton: str = "gta_im_19",
         image_size: tuple[int, int] = (288, 512),
@@ -90,6 +96,7 @@ class GtaImDataModule(MotionDataModule):
             )
         self.root = Path(root)
         self.rate = rate
+        self.skip_broken = skip_broken
         self.stride = stride
         self.rooms = RoomSplit(tuple(train_rooms), tuple(test_rooms), shared_test_share, val_share)
         self.form = WindowFormat(joint_places(self.skeleton), self.image_size, cloud_step, limits)
@@ -105,11 +112,12 @@ class GtaImDataModule(MotionDataModule):
             recipe = self._recipe()
             self._opened = open_or_build(self.cache_dir, self.name, recipe, lambda f: self._convert(f, recipe))
             index = self._opened.index
-            for note in (*index["notes"], _counted(self._opened.split, Counter(index["dropped"]))):
+            windows = counted(self._opened.split, Counter(index["dropped"]), Counter(index["events"]))
+            for note in (*index["notes"], windows):
                 print(f"{self.name}: {note}", flush=True)
         return self._opened
 
-    def _folder(self) -> Path:
+    def folder(self) -> Path:
         """Folder of the recordings.
 
         Raises:
@@ -125,7 +133,7 @@ class GtaImDataModule(MotionDataModule):
 
     def _recipe(self) -> dict[str, Any]:
         """Everything that decides the bytes of the cache."""
-        folder = self._folder()
+        folder = self.folder()
         return {
             "version": VERSION,
             "rate": [self.rate, folder.name],
@@ -134,16 +142,21 @@ class GtaImDataModule(MotionDataModule):
             "rooms": asdict(self.rooms),
             "form": asdict(self.form),
             "skeleton": self.skeleton.name,
+            "skip_broken": self.skip_broken,
         }
 
     def _convert(self, folder: Path, recipe: dict[str, Any]) -> WindowCache:
         """Converts the recordings to a cache in a folder."""
-        plan = planned(list(recordings_in(self._folder())), self.stride, self.form.limits, self.rooms)
+        folders, limits = list(recordings_in(self.folder())), self.form.limits
+        plan = planned(folders, self.stride, limits, self.rooms, skip_broken=self.skip_broken)
         if not plan.windows:
+            names = ", ".join(path.name for path in plan.folders[:3])
             expected = "65 frames with .jpg, .png and _id.png at the first"
-            raise SagError(f"{self._folder()} has no usable window ({expected}): {dict(plan.dropped)}")
-        with scratch_folder(self.cache_dir) as scratch:
-            converted = convert(plan, self.form, Path(scratch))
+            raise SagError(f"{self.folder()} has no usable window ({expected}) in {names}: {dict(plan.dropped)}")
+        with scratch_folder(folder) as scratch:
+            with contextlib.suppress(SagError):  # another process may have made it in the meantime
+                return WindowCache.open(folder)
+            converted = convert(plan, self.form, scratch)
             dropped = plan.dropped + converted.dropped
             notes = [*self._rate_notes(), *plan.notes, *converted.notes]
             return write_cache(folder, converted.arrays, self._index(recipe, plan, dropped, notes))
@@ -152,25 +165,19 @@ class GtaImDataModule(MotionDataModule):
         return {
             "name": self.name,
             "recipe": recipe,
-            "fps": RATES[self._folder().name],
+            "fps": RATES[self.folder().name],
             "skeleton": self.skeleton.name,
             "dropped": dict(dropped),
             "notes": notes,
+            "events": dict(plan.events),
             "sequences": [path.name for path in plan.folders],
         }
 
     def _rate_notes(self) -> list[str]:
         """What to know of the frames a second."""
-        used = self._folder().name
+        used = self.folder().name
         nominal = f"{RATES[used]:g} frames a second is the nominal rate of {used}; some recordings are faster or slower"
         return [nominal] if used == self.rate else [f"{used} USED: {self.root} has no {self.rate}", nominal]
-
-
-def _counted(splits: np.ndarray, dropped: Counter[str]) -> str:
-    """How many windows were kept, and why the others were not."""
-    reasons = "; ".join(f"{reason}: {count}" for reason, count in dropped.most_common())
-    kept = ", ".join(f"{count} {name}" for name, count in zip(SPLITS, np.bincount(splits, minlength=len(SPLITS))))
-    return f"{kept} windows; {sum(dropped.values())} dropped{f' ({reasons})' if reasons else ''}"
 
 
 def _digest(folder: Path) -> str:
@@ -178,6 +185,15 @@ def _digest(folder: Path) -> str:
     digest = hashlib.sha256()
     for recording in recordings_in(folder):
         with os.scandir(recording) as entries:
-            files = sorted((entry.name, entry.stat().st_size, entry.stat().st_mtime_ns) for entry in entries)
+            files = sorted(_stamp(entry) for entry in entries)
         digest.update(repr((recording.name, files)).encode())
     return digest.hexdigest()
+
+
+def _stamp(entry: os.DirEntry[str]) -> tuple[str, int, int]:
+    """Name, size and time of a file; a link that leads nowhere has none."""
+    try:
+        found = entry.stat()
+    except OSError:
+        return entry.name, -1, -1
+    return entry.name, found.st_size, found.st_mtime_ns

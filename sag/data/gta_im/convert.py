@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.progress import track
 
-from sag.data.cache import ARRAYS, SPLITS
-from sag.data.gta_im.filters import HIDDEN, UNREADABLE
+from sag.data.cache import SPLITS
+from sag.data.gta_im.filters import CUT_OFF, HIDDEN, UNREADABLE
 from sag.data.gta_im.plan import Plan, Window
-from sag.data.gta_im.recording import Recording
-from sag.data.gta_im.views import WindowFormat, stored_window
+from sag.data.gta_im.reader import GTA_IM, Reader
+from sag.data.gta_im.views import WindowFormat
+from sag.data.pictures import CutOffError
+from sag.data.scratch import Scratch
 from sag.errors import SagError
 from sag.types import FRAMES
 
 TOGETHER = 32
 """Windows that are converted at once; their native pictures fill the memory."""
+
+
+COMMITTED = 8
+"""Windows after which what was converted is made to last."""
 
 
 @dataclass(frozen=True)
@@ -43,92 +48,79 @@ class Converted:
     notes: tuple[str, ...]
 
 
-def convert(plan: Plan, form: WindowFormat, scratch: Path) -> Converted:
-    """Reads every planned window and puts it into arrays on disk.
+def convert(plan: Plan, form: WindowFormat, scratch: Path, reader: Reader = GTA_IM) -> Converted:
+    """Reads every planned window and puts it into arrays on disk, going on where an earlier try was interrupted.
 
     Args:
         plan: the windows.
         form: how they are stored.
-        scratch: empty folder for the arrays.
+        scratch: folder for the arrays, of this plan and form alone.
+        reader: how the data set is read.
 
     Raises:
-        SagError: the disk has too little room, or a recording has changed since the plan.
+        SagError: the disk has too little room, a recording has changed since the plan, or no window is left.
     """
-    rows = _Rows(plan, form, scratch)
-    dropped: Counter[str] = Counter()
-    unread: list[str] = []
-    results = _converted(plan, form)
-    for window, result in track(results, "gta_im: converting windows", total=len(plan.windows)):
-        if isinstance(result, SagError):
-            dropped[UNREADABLE] += 1
-            unread.append(str(result))
-        elif result is None:
-            dropped[HIDDEN] += 1
-        else:
-            rows.add(window, plan.rooms[window.recording], result)
-    notes = (f"{len(unread)} windows have an unreadable picture, the first: {unread[0]}",) if unread else ()
-    return Converted(rows.filled(), dropped, notes)
+    rows = Scratch(scratch, _shapes(plan, form))
+    finished = len(rows.outcomes)
+    if finished:
+        print(f"{reader.name}: going on after {finished:,} of {len(plan.windows):,} windows", flush=True)
+    windows = plan.windows[finished:]
+    results = _converted(plan, windows, form, reader)
+    try:
+        for window, result in track(results, f"{reader.name}: converting windows", total=len(windows)):
+            _store(rows, result, {**_place(window), "scene": reader.number(plan.rooms[window.recording])})
+            if rows.uncommitted >= COMMITTED:
+                rows.commit()
+    finally:
+        rows.commit()
+    return _finished(rows, plan)
 
 
-def _converted(plan: Plan, form: WindowFormat) -> Iterator[tuple[Window, dict[str, np.ndarray] | SagError | None]]:
+def _place(window: Window) -> dict[str, int]:
+    return {"split": SPLITS.index(window.split), "sequence": window.recording, "start": window.start}
+
+
+def _store(rows: Scratch, result: dict[str, np.ndarray] | SagError | None, place: dict[str, int]) -> None:
+    """Keeps a window or drops it."""
+    if isinstance(result, SagError):
+        rows.drop(CUT_OFF if isinstance(result, CutOffError) else UNREADABLE, str(result))
+    elif result is None:
+        rows.drop(HIDDEN)
+    else:
+        rows.keep({**result, **place})
+
+
+def _finished(rows: Scratch, plan: Plan) -> Converted:
+    """Arrays, counts and notes of all windows."""
+    dropped = rows.dropped
+    firsts = {reason: rows.first(reason) for reason in (CUT_OFF, UNREADABLE) if dropped[reason]}
+    arrays = rows.filled()
+    if not len(arrays["split"]):
+        said = "; ".join([*firsts.values(), f"the recordings are {', '.join(f.name for f in plan.folders[:3])}"])
+        raise SagError(f"{plan.folders[0].parent} has no usable window: {dict(plan.dropped + dropped)}; {said}")
+    notes = (f"{dropped[reason]} windows have an {reason}, the first: {said}" for reason, said in firsts.items())
+    return Converted(arrays, dropped, tuple(notes))
+
+
+def _converted(
+    plan: Plan, windows: Sequence[Window], form: WindowFormat, reader: Reader
+) -> Iterator[tuple[Window, dict[str, np.ndarray] | SagError | None]]:
     """Every window with its arrays, in order; a few at a time, on all cores (decoding frees the interpreter)."""
     with ThreadPoolExecutor(min(8, os.cpu_count() or 1)) as pool:
-        for place, group in groupby(plan.windows, key=lambda window: window.recording):
-            recording, windows = Recording.read(plan.folders[place]), list(group)
-            for first in range(0, len(windows), TOGETHER):
-                batch = windows[first : first + TOGETHER]
-                yield from zip(batch, pool.map(partial(_attempt, recording, form), batch))
+        for place, group in groupby(windows, key=lambda window: window.recording):
+            recording, together = reader.read(plan.folders[place]), list(group)
+            for first in range(0, len(together), TOGETHER):
+                batch = together[first : first + TOGETHER]
+                yield from zip(batch, pool.map(partial(_attempt, reader, recording, form), batch))
 
 
-def _attempt(recording: Recording, form: WindowFormat, window: Window) -> dict[str, np.ndarray] | SagError | None:
+def _attempt(
+    reader: Reader, recording: Any, form: WindowFormat, window: Window
+) -> dict[str, np.ndarray] | SagError | None:
     try:
-        return stored_window(recording, window.start, form, with_cloud=window.split == "test")
+        return reader.window(recording, window.start, form, window.split == "test")
     except SagError as error:
         return error
-
-
-class _Rows:
-    """Arrays on disk that are filled row by row."""
-
-    def __init__(self, plan: Plan, form: WindowFormat, scratch: Path) -> None:
-        shapes = _shapes(plan, form)
-        needed = sum(np.dtype(ARRAYS[name][0]).itemsize * int(np.prod(shape)) for name, shape in shapes.items())
-        # Twice: the cache is a checked copy of the arrays that are filled here.
-        if 2 * needed > shutil.disk_usage(scratch).free:
-            raise SagError(
-                f"{len(plan.windows)} windows need {2 * needed / 1e9:.1f} GB in {scratch.parent}, which has less free; "
-                "raise --data.init_args.stride or cloud_step, or set another --data.init_args.cache_dir"
-            )
-        self._arrays = {
-            name: np.lib.format.open_memmap(scratch / f"{name}.npy", "w+", ARRAYS[name][0], shape)
-            for name, shape in shapes.items()
-        }
-        self._windows = self._clouds = 0
-
-    def add(self, window: Window, room: int, stored: dict[str, np.ndarray]) -> None:
-        """Fills the next row, and the next row of the cloud where the window has one."""
-        with_cloud = "cloud_depth" in stored
-        row: dict[str, object] = {
-            **stored,
-            "split": SPLITS.index(window.split),
-            "scene": room,
-            "sequence": window.recording,
-            "start": window.start,
-            "cloud_row": self._clouds if with_cloud else -1,
-        }
-        for name, value in row.items():
-            self._arrays[name][self._clouds if _of_cloud(name) else self._windows] = value
-        self._windows += 1
-        self._clouds += with_cloud
-
-    def filled(self) -> dict[str, np.ndarray]:
-        """The rows that were filled."""
-        return {n: a[: self._clouds if _of_cloud(n) else self._windows] for n, a in self._arrays.items()}
-
-
-def _of_cloud(name: str) -> bool:
-    """Whether an array has a row for each cloud, not for each window."""
-    return name in ("cloud_depth", "cloud_intrinsics")
 
 
 def _shapes(plan: Plan, form: WindowFormat) -> dict[str, tuple[int, ...]]:
@@ -148,7 +140,15 @@ def _shapes(plan: Plan, form: WindowFormat) -> dict[str, tuple[int, ...]]:
     }
 
 
-def scratch_folder(parent: Path) -> tempfile.TemporaryDirectory[str]:
-    """A folder beside the caches for arrays that are being filled; removed when it is left."""
-    parent.mkdir(parents=True, exist_ok=True)
-    return tempfile.TemporaryDirectory(prefix="gta_im.converting-", dir=parent)
+def counted(splits: np.ndarray, dropped: Counter[str], events: Counter[str] | None = None) -> str:
+    """How many windows were kept, why the others were not, and what happens in the recordings.
+
+    Args:
+        splits: place among `SPLITS` of each window.
+        dropped: reason -> windows.
+        events: what happens, and how often.
+    """
+    reasons = "; ".join(f"{reason}: {count}" for reason, count in dropped.most_common())
+    kept = ", ".join(f"{count} {name}" for name, count in zip(SPLITS, np.bincount(splits, minlength=len(SPLITS))))
+    happened = "".join(f"; {count} {name}" for name, count in (events or {}).items())
+    return f"{kept} windows; {sum(dropped.values())} dropped{f' ({reasons})' if reasons else ''}{happened}"

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float
 
+from sag.data.gta_im.cameras import camera_cuts, camera_zooms
 from sag.data.gta_im.recording import JOINTS, Recording
 from sag.geometry.camera import project
 from sag.types import FRAMES
@@ -22,6 +23,9 @@ ROOT_OUTSIDE = "root leaves the start picture"
 OTHER_SIZE = "picture of another size than the first recording's"
 OTHER_ROOM = "room in neither train_rooms nor test_rooms"
 UNREADABLE = "unreadable picture"
+CUT_OFF = "cut-off picture"
+BROKEN = "broken recording"
+NO_BONE = "joint that the recording lacks"
 HIDDEN = "person hidden at the start frame"
 
 ROOT = JOINTS.index("root")
@@ -44,8 +48,24 @@ class Limits:
 
 def root_jumps(recording: Recording, limits: Limits) -> list[int]:
     """Frames after which the root is farther away than a person moves in one frame."""
-    steps = np.linalg.norm(np.diff(recording.joints[:, ROOT], axis=0), axis=1)
+    return root_jumps_of(recording.joints[:, ROOT], limits)
+
+
+def root_jumps_of(roots: Float[np.ndarray, "t 3"], limits: Limits) -> list[int]:
+    """The same for any root (metres, a frame that does not move)."""
+    steps = np.linalg.norm(np.diff(roots, axis=0), axis=1)
     return np.flatnonzero(steps > limits.root_step).tolist()
+
+
+def events(recording: Recording, limits: Limits) -> Counter[str]:
+    """What happens in a recording that windows must cope with: how often its root jumps, its camera cuts and zooms.
+
+    A cut or zoom drops no window: all of it is seen through the camera of its first frame.
+    """
+    cuts = camera_cuts(recording.world2cam, recording.intrinsics)
+    zooms = camera_zooms(recording.intrinsics, cuts)
+    jumps = root_jumps(recording, limits)
+    return Counter({"root jumps": len(jumps), "camera cuts": len(cuts), "camera zooms": len(zooms)})
 
 
 def usable_starts(
@@ -77,6 +97,8 @@ def _fault(recording: Recording, start: int, jumps: np.ndarray, limits: Limits, 
     if ((jumps >= start) & (jumps < start + FRAMES - 1)).any():
         return ROOT_JUMPS
     joints = recording.seen_from(start, slice(start, start + FRAMES))
+    if np.isnan(joints).any():
+        return NO_BONE
     if (joints[..., 2] < limits.nearest_joint).any():
         return JOINT_BEHIND
     rows, columns = recording.size

@@ -65,7 +65,7 @@ def stored_window(
     if person is None:
         return None
     window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start].T}
-    window |= _centred_picture(picture, joints[0, ROOT], person, form)
+    window |= centred_picture(picture, joints[0, ROOT], person, form)
     return window | (depth_cloud(picture, person, form) if with_cloud else {})
 
 
@@ -85,10 +85,10 @@ def person_id(picture: Picture, joints: Float[np.ndarray, "j 3"]) -> int | None:
     return int(values[counts.argmax()]) if len(values) else None
 
 
-def _centred_picture(
+def centred_picture(
     picture: Picture, root: Float[np.ndarray, " 3"], person: int, form: WindowFormat
 ) -> dict[str, np.ndarray]:
-    """Picture, depth, ids and intrinsics with the start root at the centre."""
+    """Picture, depth, ids and intrinsics with the start root (metres, camera frame) at the centre."""
     rows, columns = form.image_size
     scale = columns / picture.depth.shape[1]
     native = torch.from_numpy(picture.intrinsics)[None]

@@ -1,0 +1,136 @@
+"""Damaged and hostile files are refused in one line that names them; nothing is run, and memory stays small."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import hostile_files as bad
+import hostile_traps as trap
+import numpy as np
+import pytest
+from gta_im_files import Sequence, module
+from hostile_cases import ARCHIVES, CASES, PICKLES, ROOMS
+from hostile_files import COLOUR, DEPTH, IDS, NPZ, PICKLE, ROOM
+
+from sag.data.gta_im.recording import Recording
+from sag.errors import SagError
+
+LEAST_MEMORY = 48 << 20
+"""Bytes that refusing a file may take besides what the process has."""
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory) -> Path:
+    """A recording of one window; read once, so that what reading needs is there."""
+    root = tmp_path_factory.mktemp("whole")
+    folder = Sequence(65).write(root / "FPS-30" / "rec", pictured=[0])
+    module(root, root / "cache").build()
+    return folder
+
+
+def damaged(whole: Path, tmp_path: Path, damage: bad.Damage, name: str = "rec") -> Path:
+    """A copy of the recording after the damage; the root is `tmp_path / "root"`."""
+    folder = shutil.copytree(whole, tmp_path / "root" / "FPS-30" / name)
+    damage(folder)
+    return tmp_path / "root"
+
+
+def memory(name: str) -> int:
+    """A figure of this process, bytes."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(1024 * int(line.split()[1]) for line in lines if line.startswith(f"{name}:"))
+
+
+def refusal(root: Path, tmp_path: Path) -> str:
+    """The error of reading a data set, and how much memory it took at most."""
+    linux = sys.platform == "linux"
+    if linux:
+        Path("/proc/self/clear_refs").write_text("5")  # the peak is that of now
+        before = memory("VmRSS")
+    with pytest.raises(SagError) as error:
+        module(root, tmp_path / "cache").build()
+    if linux:
+        assert memory("VmHWM") - before < LEAST_MEMORY
+    return str(error.value)
+
+
+@pytest.mark.parametrize(("damage", "file"), CASES)
+def test_refused_by_name_in_one_line(whole, tmp_path, damage, file):
+    message = refusal(damaged(whole, tmp_path, damage), tmp_path)
+    assert file in message and "\n" not in message
+    assert not (tmp_path / "canary").exists()
+    assert not (tmp_path / "cache").exists() or not any((tmp_path / "cache").iterdir())
+
+
+def test_there_are_ten_gadgets_and_more_than_forty_cases():
+    assert len(trap.gadgets()) == 10 and len(CASES) > 40
+
+
+@pytest.mark.parametrize("name", ["会議室", "видео", "غرفة", "e\u0301te\u0301 2020", "🙂"])
+def test_names_in_other_scripts_are_read_and_told(whole, tmp_path, name):
+    root = damaged(whole, tmp_path, lambda folder: None, name)
+    assert len(module(root, tmp_path / "cache").build()) == 3
+    bad.truncated(NPZ)(root / "FPS-30" / name)
+    assert name in refusal(root, tmp_path)
+
+
+def test_a_recording_of_64_frames_is_refused(tmp_path):
+    Sequence(64).write(tmp_path / "root" / "FPS-30" / "short", pictured=[0])
+    message = refusal(tmp_path / "root", tmp_path)
+    assert "short" in message and "fewer than 65 frames" in message
+
+
+def test_what_is_not_asked_for_in_an_archive_is_not_unpacked(whole, tmp_path):
+    root = damaged(whole, tmp_path, bad.member("junk", bytes(64 << 20)))
+    Path("/proc/self/clear_refs").write_text("5")
+    before = memory("VmRSS")
+    assert len(Recording.read(root / "FPS-30" / "rec")) == 65
+    assert memory("VmHWM") - before < LEAST_MEMORY
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        ARCHIVES["truncated"],
+        ARCHIVES["bomb"],
+        ARCHIVES["nan_focal_length"],
+        PICKLES["gadget_system"],
+        PICKLES["link_out"],
+        ROOMS["missing"],
+        bad.linked_folder,
+    ],
+)
+def test_good_recordings_beside_a_broken_one_load_when_asked(whole, tmp_path, damage, capsys):
+    root = damaged(whole, tmp_path, damage)
+    for name in ("good", "other"):
+        shutil.copytree(whole, root / "FPS-30" / name)
+    assert "rec" in refusal(root, tmp_path)
+    cache = module(root, tmp_path / "cache", skip_broken=True).build()
+    assert cache.index["sequences"] == ["good", "other"] and cache.index["dropped"] == {"broken recording": 1}
+    assert any(note.startswith("rec LEFT OUT, it is broken: ") for note in cache.index["notes"])
+    assert "rec LEFT OUT" in capsys.readouterr().out
+    assert not (tmp_path / "canary").exists()
+
+
+def test_nothing_is_left_when_all_recordings_are_broken(whole, tmp_path):
+    root = damaged(whole, tmp_path, ARCHIVES["truncated"])
+    with pytest.raises(SagError, match=r"all 1 recordings are broken, the first: rec .*info_frames\.npz"):
+        module(root, tmp_path / "cache", skip_broken=True).build()
+
+
+@pytest.mark.parametrize("file", [NPZ, PICKLE, ROOM, COLOUR, DEPTH, IDS])
+def test_whatever_bit_is_flipped_reading_ends_in_a_value_or_an_error_that_names_the_file(whole, tmp_path, file):
+    root = damaged(whole, tmp_path, lambda folder: None)
+    path, random = root / "FPS-30" / "rec" / file, np.random.default_rng(0)
+    original = path.read_bytes()
+    refused = 0
+    for _ in range(20):
+        content = bytearray(original)
+        content[random.integers(len(content))] ^= 1 << random.integers(8)
+        path.write_bytes(content)
+        try:
+            Recording.read(path.parent).picture(0)
+        except SagError as error:
+            refused += 1
+            assert "rec" in str(error) and "\n" not in str(error)
+    assert refused > 12 or file not in (NPZ, DEPTH, IDS)
