@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
@@ -64,7 +65,7 @@ def recognised(path: Path) -> tuple[KnownDataSet, Path]:
     raise SagError(f"{path} is in no layout that is known: it has none of the folders {expected}")
 
 
-def imported(name: str) -> type:
+def imported(name: str) -> Any:
     """What a dotted path names."""
     module, _, attribute = name.rpartition(".")
     return getattr(importlib.import_module(module), attribute)

@@ -110,7 +110,7 @@ def _presence(module: ProxDataModule, readable: Sequence[Findings]) -> list[Line
         missing = sorted(scene for scene in scenes if not (root / name / f"{scene}{ending}").is_file())
         verdict: Verdict = "ok" if not missing else "broken" if needed else "look"
         said = f"missing for {len(missing)} scenes" if missing else "of every scene"
-        lines.append(Line(name, said, verdict, tuple(missing)))
+        lines.append(Line("scans" if name == "scenes" else name, said, verdict, tuple(missing)))
     return lines
 
 

@@ -112,7 +112,7 @@ def _grid(lines: Sequence[Line], width: int) -> Table:
     grid.add_column(ratio=1, overflow="fold")
     for line in lines:
         style = STYLES[line.verdict]
-        grid.add_row(Text(line.verdict, style=style), line.name, Text(plain(line.value), style=style))
+        grid.add_row(Text(line.verdict, style=style), Text(line.name), Text(plain(line.value), style=style))
         for detail in _first(line.details):
             grid.add_row("", "", Text(plain(detail), style="dim"))
     return grid
