@@ -80,6 +80,7 @@ class MetricsFile(pl.Callback):
             "data": method.data.describe(),
             "protocol": method.protocol(),
             "metrics": figures,
+            "motion_fid_distances": method.scores.distances(),
             "steps": int(getattr(method, "generator_steps", 0)),
             "seconds": self.seconds,
             "parameters": parameter_count(method),

@@ -41,13 +41,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
     motions = Recorded(options.file, data.skeleton.name, options.evaluation)
     truth = GroundTruth(data.skeleton.name, motions.evaluation)
-    found = {method: _tested(method, data) for method in (motions, truth)}
+    truth.needs_encoders = False
+    figures = _tested(motions, data)
+    truth.windows = motions.windows
     content = {
         "file": str(options.file),
         "data": data.describe(),
         "protocol": motions.protocol(),
-        "metrics": found[motions],
-        "ground_truth": found[truth],
+        "metrics": figures,
+        "ground_truth": _tested(truth, data),
+        "motion_fid_distances": motions.scores.distances(),
     }
     out = options.out or options.file.with_suffix(".scores.json")
     write_json(out, content)
@@ -68,7 +71,7 @@ def _tested(method: Method, data: MotionDataModule) -> dict[str, float]:
 
 
 def _write_collisions(path: Path, motions: Recorded, data: MotionDataModule) -> None:
-    """Every bone of every frame of the first motions that touches the scene, a line each, the widest radius."""
+    """Every bone that touches the scene in a generated frame of the first motions, a line each; the widest radius."""
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(("window", "frame", "bone", "points", "depth_mm"))
@@ -78,10 +81,10 @@ def _write_collisions(path: Path, motions: Recorded, data: MotionDataModule) -> 
             if window not in motions.rows:
                 continue
             one = batch[place : place + 1]
-            joints = motions.sample(one).joints[0]
-            details = collision_details(joints, skeleton.bone_index, one.cloud, max(RADII))
+            joints, shape = motions.sample(one).joints[0, 1:], motions.evaluation.collision_shape
+            details = collision_details(joints, skeleton.bone_index, one.cloud, max(RADII), shape)
             for found in details.worst(skeleton.bones, count=details.points.numel()):
-                lines.writerow((window, found.frame, found.bone, found.points, f"{1000 * found.depth:.1f}"))
+                lines.writerow((window, found.frame + 1, found.bone, found.points, f"{1000 * found.depth:.1f}"))
     write_whole(path, lambda file: file.write(text.getvalue().encode()))
 
 

@@ -78,6 +78,9 @@ class MotionDataModule(pl.LightningDataModule, ABC):
     name: str
     """What reports call the data set."""
 
+    ankle_height: float = 0.085
+    """Height of a standing person's ankle joint over the floor, metres."""
+
     def __init__(
         self,
         cache_dir: Path = Path("data"),

@@ -20,8 +20,9 @@ from sag.errors import SagError
 from sag.files import write_whole
 from sag.types import FRAMES
 
-FARTHEST_START = 1.0
-"""Metres by which the given frame may miss the window's own, on the median, before the frame must be another."""
+FARTHEST_START = 0.5
+"""Metres by which the joints of the given frame may miss the window's own, on the median, before axes, frame or index
+must be others."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,11 @@ class MotionFile:
         index = rows if self.index is None else self.index
         known = np.isin(index, rows)
         if not known.all() or len(np.unique(index)) < len(index):
-            wrong = f"{int(index[~known][0])}, which is no test window" if not known.all() else "a window twice"
+            wrong = (
+                f"{int(index[~known][0])}, which is no test window ({rows[0]} to {rows[-1]})"
+                if not known.all()
+                else "a window twice"
+            )
             raise SagError(
                 f"{self.path}: its index names {wrong}, in {data.name} of fingerprint {data.cache.fingerprint}"
             )
@@ -72,18 +77,17 @@ class MotionFile:
 
     def _check_start(self, data: MotionDataModule, index: np.ndarray) -> None:
         """Refuses motions in other units or another frame: their given frame is not where the window's is."""
-        root = data.skeleton.root_index
         given, true = self.joints[:, 0, 0], data.cache.joints[index][:, 0]
         sizes = [float(np.median(np.ptp(x, axis=1).max(axis=-1))) for x in (given, true)]
         if not 0.2 < sizes[0] / sizes[1] < 5:
             raise SagError(
-                f"{self.path}: people are {sizes[0]:.3g} tall or wide at frame 0, {data.name}'s {sizes[1]:.3g} m; "
+                f"{self.path}: people measure {sizes[0]:,.2f} at frame 0, those of {data.name} {sizes[1]:,.2f} m; "
                 "convert the joints to metres"
             )
-        off = float(np.median(np.linalg.norm(given[:, root] - true[:, root], axis=-1)))
+        off = float(np.median(np.linalg.norm(given - true, axis=-1).mean(axis=-1)))
         if off > FARTHEST_START:
             raise SagError(
-                f"{self.path}: the root at frame 0 is {off:.1f} m from the window's own; joints must be in the camera "
+                f"{self.path}: joints at frame 0 are {off:.1f} m from the window's own; they must be in the camera "
                 "frame of frame 0 (x right, y down, z forward), the given frame first, and the index must be right"
             )
 

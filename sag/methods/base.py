@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import lightning.pytorch as pl
+import numpy as np
 import torch
 from torch import Generator, Tensor
 
@@ -15,7 +16,7 @@ from sag.data.cache import sha256_of
 from sag.errors import SagError
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
-from sag.scoring import Evaluation, Scores
+from sag.scoring import Evaluation, Groups, Scores
 from sag.scoring.judged import Judged
 from sag.skeleton import skeleton_named
 from sag.types import Batch, Motion
@@ -27,15 +28,24 @@ Sample = Callable[[Batch, Generator], Motion]
 class Method(pl.LightningModule):
     """A system that continues frame 0 of a window by 64 frames, tested like every other.
 
+    Attributes:
+        drawn: whether motions are drawn, so that they can differ from each other and from the truth.
+        needs_encoders: whether a test without Motion FID's encoders is refused.
+        windows: places in the data set of the test windows that are judged; all of them when None.
+
     Args:
         skeleton: name of the skeleton.
         evaluation: the protocol of testing.
     """
 
+    drawn = True
+    needs_encoders = True
+
     def __init__(self, skeleton: str, evaluation: Evaluation) -> None:
         super().__init__()
         self.skeleton = skeleton_named(skeleton)
         self.evaluation = evaluation
+        self.windows: np.ndarray | None = None
 
     @abstractmethod
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
@@ -101,9 +111,14 @@ class Method(pl.LightningModule):
 
     def _lay_out(self, split: str) -> None:
         self._require_trained()
-        encoders = None if self._only_wiring and not self.data.encoder_path.is_file() else self.load_encoders(self.data)
+        if self.trainer.world_size > 1:
+            raise SagError("figures of several devices do not add up: test on one, with --trainer.devices 1")
+        may_lack = self._only_wiring or not self.needs_encoders
+        encoders = None if may_lack and not self.data.encoder_path.is_file() else self.load_encoders(self.data)
         self.encoders = encoders and encoders.to(self.device)
-        self.scores = Scores(self.data, split, self.encoders, self.evaluation, self.device)
+        rows = self.data.cache.rows(split) if self.windows is None else np.sort(self.windows)
+        groups = Groups.of(self.data.cache, rows)
+        self.scores = Scores(self.data, split, self.encoders, self.evaluation, groups, self.drawn, self.device)
         self.further = {
             name: (MotionFID(encoders, self.skeleton.root_index).to(self.device), self._noise())
             for name in self.variants()
@@ -133,7 +148,13 @@ class Method(pl.LightningModule):
         """Scores motions for each window; further variants have their Motion FID alone."""
         self._score(batch)
 
-    def _score(self, batch: Batch) -> Judged:
+    def _score(self, batch: Batch) -> Judged | None:
+        """Judges motions for those windows of a batch that are asked for; None when there are none."""
+        if self.windows is not None:
+            asked = torch.as_tensor(np.isin(batch.index.cpu().numpy(), self.windows), device=batch.index.device)
+            if not asked.any():
+                return None
+            batch = batch[asked]
         samples = self._samples(batch, self.evaluation.samples)
         judged = self.scores.update(batch, samples, self.predicted_depth(batch))
         for name, (metric, noise) in self.further.items():

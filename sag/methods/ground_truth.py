@@ -12,13 +12,15 @@ from sag.types import Batch, Motion
 class GroundTruth(Method):
     """Repeats the true motion. Its non-collision ratio is the best that can be asked for.
 
-    Its Motion FID is 0 by definition, so it also measures the floors: one half of the recordings against the
-    other half.
+    Its Motion FID is 0 by definition, so it also measures the floors: random halves of the rooms, or of the
+    recordings, against each other.
 
     Args:
         skeleton: name of the skeleton.
         evaluation: the protocol of testing.
     """
+
+    drawn = False
 
     def __init__(
         self,
@@ -34,13 +36,15 @@ class GroundTruth(Method):
     def on_test_start(self) -> None:
         """Lays out the metrics and the floors."""
         super().on_test_start()
-        self.floors = Floors(self.data, self.encoders, self.device)
+        self.floors = Floors(self.data, self.scores.groups, self.evaluation.seed, self.device)
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Scores the true motion, once for the figures and once for the floors."""
-        self.floors.update(self._score(batch))
+        judged = self._score(batch)
+        if judged is not None:
+            self.floors.update(judged)
 
     def on_test_epoch_end(self) -> None:
-        """Logs the floors as `test/motion_fid_floor/...` and the like, where there are two recordings to compare."""
+        """Logs the floors as `test/motion_fid_floor/...` and the like, where there are two groups to compare."""
         super().on_test_epoch_end()
         self._log("test", self.floors.compute())

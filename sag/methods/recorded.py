@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import torch
 from torch import Generator, Tensor
 
@@ -23,6 +24,8 @@ class Recorded(Method):
         evaluation: the protocol of testing; no more samples of a window are looked at than the file has.
     """
 
+    needs_encoders = False
+
     def __init__(
         self,
         file: Path,
@@ -36,12 +39,7 @@ class Recorded(Method):
         """Finds the windows that the motions continue."""
         super().setup(stage)
         self.rows = self.motions.by_window(self.data)
-
-    def test_step(self, batch: Batch, batch_idx: int) -> None:
-        """Scores the windows of the batch that the file continues."""
-        known = torch.tensor([window in self.rows for window in batch.index.tolist()], device=batch.index.device)
-        if known.any():
-            super().test_step(batch[known], batch_idx)
+        self.windows = np.array(list(self.rows))
 
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """The first motion of each window."""

@@ -69,11 +69,13 @@ HOW_TO_READ = (
 
 
 FURTHER_COUNTS = {
-    "sequences": "{:,} sequences",
-    "resamples": "{:,} resamples of them (interval)",
-    "samples": "K = {:,} samples of each window (diversity, best of K)",
+    "groups": "floors and intervals from {}",
+    "resamples": "{} resamples (interval)",
+    "samples": "K = {} samples of each window (diversity, best of K)",
+    "collision_shape": "bones as {}s (non-collision)",
+    "floor": "the floor under feet is {}",
 }
-"""What newer protocols count besides."""
+"""What else a protocol may say."""
 
 
 def _any(lines: Sequence[Line]) -> Result:
@@ -97,7 +99,7 @@ def _counts(result: Result) -> str:
         f"{frames:,} frames (non-collision)",
         f"{points:,.0f} scene points a frame",
     ]
-    counts += [text.format(int(protocol[key])) for key, text in FURTHER_COUNTS.items() if protocol.get(key)]
+    counts += [text.format(protocol[key]) for key, text in FURTHER_COUNTS.items() if protocol.get(key)]
     return ", ".join(counts)
 
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
-from sag.report.columns import Column
+from sag.report.columns import ARROWS, Column
 from sag.report.facts import FEW_MOTIONS
 from sag.report.lines import Figure
 from sag.report.paper import paper_figures
@@ -19,6 +19,12 @@ from sag.report.sections import COMPANIONS, SEES_MORE, paper_section
 from sag.report.table import NONE
 
 Figures = Mapping[str, float]
+
+ENCODERS = (
+    "no Motion FID: its encoders for this data are missing; train them once by sag fit --config configs/base.yaml "
+    "--config configs/presets/quick.yaml --config configs/data/<data set>.yaml --config configs/methods/erd.yaml"
+)
+"""Said where there is no Motion FID."""
 
 
 def show_scores(title: str, content: Mapping[str, Any], console: Console | None = None) -> None:
@@ -59,13 +65,9 @@ def _sections(data: str) -> Iterator[tuple[str, list[Column]]]:
 
 def _row(column: Column, figures: Figures, truth: Figures) -> list[str]:
     group = column.group.title.rstrip(" ↑↓").partition(",")[0]
-    name = f"  {group}, {column.heading}{_arrow(column)}"
+    name = f"  {group}, {column.heading} {ARROWS[column.better]}".rstrip()
     floor = _text(column, truth, column.floor) if column.floor else ""
     return [name, _text(column, figures, column.metric), _text(column, truth, column.metric), floor]
-
-
-def _arrow(column: Column) -> str:
-    return {"lower": " ↓", "higher": " ↑", "": ""}[column.better]
 
 
 def _text(column: Column, figures: Figures, metric: str) -> str:
@@ -83,6 +85,8 @@ def _notices(content: Mapping[str, Any]) -> Iterator[str]:
         yield f"N = {motions} is far too small for these figures to mean anything."
     if motions < windows:
         yield f"the file has motions for {motions:,} of {windows:,} test windows; Motion FID shrinks as N grows."
+    if not content["protocol"]["encoders"]:
+        yield ENCODERS
     yield from (f"{str(note).rstrip('.')}." for note in content["data"].get("notes", []))
 
 
@@ -90,13 +94,14 @@ def _protocol(content: Mapping[str, Any]) -> str:
     """N of everything, and what the figures rest on."""
     protocol, data = content["protocol"], content["data"]
     parts = (
-        f"N: {protocol['motions']:,} motions of {protocol['sequences']} recordings",
+        f"N: {protocol['motions']:,} motions of {protocol['groups']}",
         f"{protocol['samples']} for each window",
-        f"{protocol.get('collision_frames', 0):,} frames (non-collision)",
-        f"{protocol.get('cloud_points', 0):,.0f} scene points a frame",
+        f"{protocol['collision_frames']:,} frames (non-collision, {protocol['collision_shape']}s)",
+        f"{protocol['cloud_points']:,.0f} scene points a frame",
+        f"floor {protocol['floor']}",
         f"{data['name']} (fingerprint {data['fingerprint']})",
         f"{data['fps']:g} fps",
         f"encoders {protocol['encoders']}",
-        f"{protocol['resamples']} resamples of recordings for the interval",
+        f"interval from {protocol['resamples']} resamples" if protocol["resamples"] else "no interval",
     )
     return "; ".join(parts) + "."

@@ -33,11 +33,11 @@ FID = Group(
     "FID",
     "FID: Motion FID, lower is better (short: clips of 2 and 4 frames, mid: 8 and 16, long: 32 and 64).",
 )
-INTERVAL = Group(FID.title, FID.short, "95 %: interval of the average FID, from a bootstrap by sequence.")
+INTERVAL = Group(FID.title, FID.short, "95 %: interval of the average FID, from a bootstrap by rooms or recordings.")
 NON_COLLISION = Group(
     "Non-collision ↑",
     "NC",
-    "NC: non-collision score with cylinders of 30, 45 and 60 mm around the bones, higher is better.",
+    "NC: non-collision score with bones of 30, 45 and 60 mm radius, higher is better.",
 )
 
 SAME_FEATURES = Group(
@@ -54,7 +54,7 @@ COLLISIONS = Group(
     "Collisions, by scene",
     "collisions",
     "Collisions: share of frames in a motion's own scene, in other scenes, and their ratio. Its zero is the "
-    "blind row's, below 1 since all start on free ground.",
+    "blind row's; whoever stands still has none anywhere, so read it beside Motion FID.",
 )
 INSIDE = Group(
     "Inside furniture or walls",
@@ -97,7 +97,7 @@ DIVERSITY = Group(
     "Diversity of samples",
     "",
     "Deviation, pairwise: of the samples of a window; multimodality: pairwise in Motion FID's features. Figures "
-    "without an arrow are best near ground truth's; noise is diverse too.",
+    "without an arrow have no better side; noise is diverse too.",
 )
 PATH = Group(
     "Best of K: path, m",

@@ -2,6 +2,7 @@
 
 from sag.scoring.evaluation import Evaluation
 from sag.scoring.floors import Floors
+from sag.scoring.groups import Groups
 from sag.scoring.scores import Scores
 
-__all__ = ["Evaluation", "Floors", "Scores"]
+__all__ = ["Evaluation", "Floors", "Groups", "Scores"]

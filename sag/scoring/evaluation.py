@@ -20,8 +20,8 @@ class Evaluation:
             at least 1 and at most all; the paper's 10,000.
         collision_unit: what is clear or not; a motion is not when one of its 64 frames is not.
         collision_shape: of a bone; a cylinder has flat ends.
-        resamples: of whole recordings, for the interval around Motion FID; 0 leaves out the interval, and with it
-            the extrapolation to infinite N, both of which need all features in memory.
+        resamples: of whole rooms or recordings, for the interval around Motion FID; 0 leaves out the interval, and
+            with it the extrapolation to infinite N, both of which need all features in memory.
     """
 
     seed: int = 0

@@ -1,59 +1,69 @@
-"""Floors: how far one half of the true motions is from the other, below which nothing can be told apart."""
+"""Floors: how far halves of the true motions are from each other, on the average over random splits."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from sag.data.base import MotionDataModule
-from sag.metrics import MotionFID, SceneFrechet, VelocityFrechet
-from sag.metrics.fid.clips import ClipEncoders
+from sag.metrics import SceneFrechet, VelocityFrechet
+from sag.metrics.fid.clips import ClipFeatures, joined
+from sag.metrics.fid.floor import motion_fid_floor_of_features
+from sag.metrics.halves import random_halves
+from sag.scoring.groups import Groups
 from sag.scoring.judged import Judged
 from sag.scoring.named import named
 
+SPLITS = 8
+"""Random splits that a floor is the mean of."""
+
 
 class Floors:
-    """The distances between every other recording and the rest, of the true motions of the test split.
+    """The distances between random halves of the true motions, whole groups on a side, averaged over splits.
 
-    Halves are made of whole recordings, since the windows of one overlap. Each holds about half as many motions as
-    the set, so the floor of the whole set lies a little lower.
+    Halves hold half as many motions as the set. What of a distance comes from N alone goes as 1/N, so a set that
+    is not split has about half of that floor.
 
     Args:
         data: where the windows come from.
-        encoders: of Motion FID; without them it has no floor.
+        groups: windows and what of them is independent.
+        seed: of the splits.
         device: where the metrics live.
     """
 
-    def __init__(self, data: MotionDataModule, encoders: ClipEncoders | None, device: torch.device | str) -> None:
-        root = data.skeleton.root_index
-        self.recordings = np.unique(data.cache.sequence[data.cache.rows("test")])
-        self.motion_fid = MotionFID(encoders, root, unequal="ignore").to(device) if encoders is not None else None
-        self.velocity = VelocityFrechet(data.fps, len(data.skeleton.joints)).to(device)
-        self.scene = SceneFrechet(root).to(device)
+    def __init__(self, data: MotionDataModule, groups: Groups, seed: int, device: torch.device | str) -> None:
+        self.groups, self.seed = groups, seed
+        splits = SPLITS if groups.count > 1 else 0
+        none = torch.zeros(0, len(groups.rows), dtype=torch.long)
+        self.sides = random_halves(torch.as_tensor(groups.of_rows).long(), splits, seed) if splits else none
+        joints, root = len(data.skeleton.joints), data.skeleton.root_index
+        self.velocity = [VelocityFrechet(data.fps, joints).to(device) for _ in range(splits)]
+        self.scene = [SceneFrechet(root).to(device) for _ in range(splits)]
+        self.features: list[tuple[ClipFeatures, Tensor]] = []
 
     def update(self, judged: Judged) -> None:
-        """Adds true motions, each to the half of its recording."""
-        if len(self.recordings) < 2:
-            return
-        first = torch.as_tensor(np.searchsorted(self.recordings, judged.batch.sequence.cpu().numpy()) % 2 == 0)
-        first = first.to(judged.truth.device)
-        self.velocity.update(judged.truth, real=first)
-        self.scene.update(judged.truth, judged.cloud, real=first)
-        if self.motion_fid is not None:
-            for half, real in ((first, True), (~first, False)):
-                self.motion_fid.update_features({k: x[half] for k, x in judged.true_features.items()}, real=real)
+        """Adds true motions, for each split to the side that their group is on."""
+        places = np.searchsorted(self.groups.rows, judged.batch.index.cpu().numpy())
+        for split, side in enumerate(self.sides):
+            chosen = side[places].to(judged.truth.device)
+            kept, real = chosen >= 0, chosen[chosen >= 0] == 0
+            self.velocity[split].update(judged.truth[kept], real=real)
+            self.scene[split].update(judged.truth[kept], judged.cloud[kept], real=real)
+        if judged.encoders is not None:
+            features = {key: found.cpu() for key, found in judged.true_features.items()}
+            self.features.append((features, self.groups.of_batch(judged.batch).cpu()))
 
     def compute(self) -> dict[str, Tensor]:
-        """Every floor by the name of its distance; nothing where there is one recording only."""
-        if len(self.recordings) < 2:
+        """Every floor by the name of its distance; nothing where there is one group only."""
+        if not len(self.sides):
             return {}
-        sheet: dict[str, Any] = {"velocity_frechet_floor": self.velocity, "scene_frechet_floor": self.scene}
-        if self.motion_fid is not None:
-            sheet["motion_fid_floor"] = self.motion_fid
-        found: dict[str, Tensor] = {}
-        for name, metric in sheet.items():
-            found |= named(name, metric.compute())
+        found = {
+            name: torch.stack([metric.compute() for metric in metrics]).mean()
+            for name, metrics in (("velocity_frechet_floor", self.velocity), ("scene_frechet_floor", self.scene))
+        }
+        if self.features:
+            features = joined([features for features, _ in self.features])
+            group = torch.cat([group for _, group in self.features])
+            found |= named("motion_fid_floor", motion_fid_floor_of_features(features, group, SPLITS, self.seed))
         return found

@@ -88,12 +88,13 @@ class Judged:
         """Height of the floor under each ankle, metres: known, or else as the depth sensor saw it."""
         if self.geometry:
             return known_floor(self.world, self.feet, self.geometry)
-        return floor_under_feet(self.world, self.feet, self.cloud, self.batch.world2cam)
+        return floor_under_feet(self.world, self.feet, self.cloud, self.batch.world2cam, self.data.ankle_height)
 
     @cached_property
     def elsewhere(self) -> Batch | None:
         """The windows of other rooms that the motions are tried in."""
-        return self.data.elsewhere(self.batch)
+        other = self.data.elsewhere(self.batch)
+        return None if other is None else other.to(self.batch.index.device)
 
     def moved_to(self, other: Batch) -> Float[Tensor, "b t j 3"]:
         """The first motion of each window as it would be in another window's place, metres, that camera's frame."""

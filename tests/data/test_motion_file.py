@@ -66,6 +66,7 @@ def test_refuses_to_read(change, sentence, joints, tmp_path):
     [
         (lambda a: a | {"joints": 1000 * a["joints"]}, "convert the joints to metres"),
         (lambda a: a | {"joints": a["joints"] + np.float32(3)}, "m from the window's own"),
+        (lambda a: a | {"joints": a["joints"] * np.array([1, -1, 1], np.float32)}, "m from the window's own"),
         (lambda a: a | {"joints": a["joints"][:, :, :, :16]}, "16 joints, not the 19"),
         (lambda a: a | {"skeleton": np.array("prox_16")}, "of skeleton prox_16"),
         (lambda a: a | {"fps": np.array(20.0)}, "20 frames a second, toy has 30; resample"),
@@ -73,7 +74,7 @@ def test_refuses_to_read(change, sentence, joints, tmp_path):
         (lambda a: a | {"index": np.array([0, 13, 14, 15])}, "names 0, which is no test window"),
         (lambda a: a | {"index": np.array([12, 12, 13, 14])}, "a window twice"),
     ],
-    ids=["millimetres", "elsewhere", "joints", "skeleton", "fps", "number", "unknown window", "twice"],
+    ids=["millimetres", "elsewhere", "y up", "joints", "skeleton", "fps", "number", "unknown window", "twice"],
 )
 def test_refuses_what_does_not_fit_the_data_set(change, sentence, toy, joints, tmp_path):
     with pytest.raises(SagError, match=sentence):

@@ -7,6 +7,7 @@ import pytest
 import torch
 import torch.distributed
 import torch.multiprocessing
+from metric_inputs import asked, built, every_metric, fed, numbers, picked, toy_inputs, usual_settings
 from torch import Tensor
 
 from sag.metrics import MotionFID, NonCollisionRatio
@@ -81,3 +82,27 @@ def test_two_processes_say_what_one_says(tmp_path):
             give(found, torch.tensor(batch))
         assert first[name] == pytest.approx(figures(found), rel=1e-12, abs=1e-12), name
     assert first["whole"] != pytest.approx(first["half"], rel=1e-3)
+
+
+def every_figure_of_two(rank: int, folder: str) -> None:
+    """What a process does: the first has windows 0, 1, 2, 6 and 7, the second 3, 4 and 5."""
+    torch.set_num_threads(1)
+    torch.distributed.init_process_group("gloo", init_method=f"file://{folder}/meeting", rank=rank, world_size=2)
+    settings, inputs, found = usual_settings(), toy_inputs(), {}
+    for kind in every_metric():
+        metric = built(kind, settings)
+        for first in (0, 6) if rank == 0 else (3,):
+            metric.update(**asked(kind, picked(inputs, slice(first, first + 3))))
+        found[kind.__name__] = numbers(metric.compute())
+    torch.save(found, Path(folder, f"{rank}.pt"))
+    torch.distributed.destroy_process_group()
+
+
+def test_every_metric_says_in_two_processes_what_it_says_in_one(tmp_path):
+    torch.multiprocessing.spawn(every_figure_of_two, (str(tmp_path),), nprocs=2)
+    first, second = (torch.load(tmp_path / f"{rank}.pt") for rank in (0, 1))
+    assert first == second
+    settings, inputs = usual_settings(), toy_inputs()
+    for kind in every_metric():
+        alone = numbers(fed(built(kind, settings), inputs).compute())
+        assert first[kind.__name__] == pytest.approx(alone, rel=1e-6, abs=1e-9), kind.__name__

@@ -184,10 +184,10 @@ def test_a_narrow_terminal_has_fewer_columns_and_no_table_that_does_not_fit(meas
 
 
 def test_counts_of_a_newer_protocol_are_said(runs):
-    runs.add("m", protocol={"samples": 5, "sequences": 231, "resamples": 200})
+    runs.add("m", protocol={"samples": 5, "groups": "18 rooms", "resamples": 200})
     assert main([str(runs.folder)]) == 0
     text = (runs.folder / "table.md").read_text()
-    assert "231 sequences, 200 resamples of them (interval), K = 5 samples of each window" in text
+    assert "floors and intervals from 18 rooms, 200 resamples (interval), K = 5 samples" in text
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,16 @@
 """The score sheet: what is on it for which data, what it says of itself, and that batches make no difference."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 import torch
 from toy_data import ToyDataModule
 
+from sag.data.cache import WindowCache
 from sag.errors import SagError
 from sag.models.erd import MotionEncoders
-from sag.scoring import Evaluation, Floors, Scores
+from sag.scoring import Evaluation, Floors, Groups, Scores
 from sag.scoring.judged import Judged
 from sag.types import Batch
 
@@ -74,19 +78,39 @@ def test_the_protocol_says_what_the_figures_rest_on(many, encoders):
     for batch in many.test_dataloader():
         sheet.update(batch, made(batch))
     found = sheet.protocol()
-    assert (found["motions"], found["sequences"], found["samples"], found["collision_frames"]) == (8, 4, 3, 16)
+    assert (found["motions"], found["groups"], found["samples"], found["collision_frames"]) == (
+        8,
+        "4 recordings",
+        3,
+        16,
+    )
+    assert (found["collision_shape"], found["floor"]) == ("capsule", "estimated from depth")
+    distances = sheet.distances()
+    assert len(distances) == 18 and {d["real"] for d in distances if d["frames"] == 2} == {8 * 32}
 
 
 def test_true_motions_have_no_distance_and_their_floor_is_above_it(many, encoders):
-    sheet, floors = Scores(many, "test", encoders, Evaluation(resamples=0, samples=2)), Floors(many, encoders, "cpu")
+    groups = Groups.of(many.cache, many.cache.rows("test"))
+    sheet, floors = Scores(many, "test", encoders, Evaluation(), drawn=False), Floors(many, groups, 0, "cpu")
     for batch in many.test_dataloader():
-        floors.update(sheet.update(batch, batch.motion.joints[:, None].expand(-1, 2, -1, -1, -1)))
+        floors.update(sheet.update(batch, batch.motion.joints[:, None]))
     truth, floor = sheet.compute(), floors.compute()
     for name in ("motion_fid/average", "velocity_frechet", "scene_frechet"):
         head, _, tail = name.partition("/")
         assert float(truth[name]) == pytest.approx(0, abs=1e-6)
         assert float(floor["/".join(filter(None, (f"{head}_floor", tail)))]) > 1e-4
-    assert float(truth["best_of/path_2"]) == 0 and float(truth["diversity/pairwise"]) == 0
+    assert not {name for name in truth if name.startswith(("best_of", "diversity"))}, "nothing is drawn"
+
+
+def test_rooms_are_the_groups_where_there_are_enough():
+    def groups(rooms: int) -> Groups:
+        cache = WindowCache(Path(), {})
+        object.__setattr__(cache, "scene", np.arange(24) % rooms)
+        object.__setattr__(cache, "sequence", np.arange(24) // 2)
+        return Groups.of(cache, np.arange(24))
+
+    assert (groups(8).kind, groups(8).count) == ("rooms", 8)
+    assert (groups(7).kind, groups(7).count) == ("recordings", 12)
 
 
 def test_depth_is_scored_where_a_method_has_an_opinion(many):

@@ -8,6 +8,7 @@ from sag.data.base import MotionDataModule
 from sag.data.cache import WindowCache, open_or_build
 from sag.data.rooms.build import build_rooms
 from sag.data.rooms.geometry import RoomGeometry, load_geometry
+from sag.data.rooms.person import ANKLE
 from sag.data.rooms.recipe import Recipe
 from sag.errors import SagError
 from sag.skeleton import GTA_IM_19
@@ -31,6 +32,7 @@ class RoomsDataModule(MotionDataModule):
     """
 
     name = "rooms"
+    ankle_height = ANKLE
 
     def __init__(
         self,

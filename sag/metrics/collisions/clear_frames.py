@@ -79,15 +79,11 @@ class ClearFrames:
             raise SagError(f"frames of {self.metric} must lie in 1 .. {GENERATED}, not {self.frames}")
 
     @property
-    def settings(self) -> Float[Tensor, " n"]:
-        """Everything that decides what is clear, as numbers.
-
-        A metric keeps them as a state, or a `MetricCollection` would take metrics that happen to agree on their first
-        batch, but not in their settings, for one, and give them all the same figures.
-        """
+    def settings(self) -> list[float]:
+        """Everything that decides what is clear, as numbers."""
         choices = (self.frames, self.unit == "motion", self.seed, self.farthest, self.shape == "cylinder")
-        numbers = [*self.radii, *self.thresholds, *choices, *self.bones.flatten().tolist()]
-        return torch.tensor([float(number) for number in numbers], dtype=torch.float64)
+        sizes = (len(self.radii), len(self.thresholds))
+        return [*sizes, *self.radii, *self.thresholds, *choices, *self.bones.flatten().tolist()]
 
     def judge(self, joints: Float[Tensor, "b t j 3"], cloud: Clouds, places: Iterable[int]) -> Judgement:
         """Counts the clear frames of motions, or the clear motions.
@@ -101,7 +97,10 @@ class ClearFrames:
             SagError: another number of frames, joints or clouds; no depth or a cloud without points, in which nothing
                 could collide; coordinates that are not finite.
         """
-        scenes = self._scenes(joints, cloud)
+        with torch.autocast(joints.device.type, enabled=False):  # a figure must not hang on the run's precision
+            return self._judge(joints, self._scenes(joints, cloud), places)
+
+    def _judge(self, joints: Tensor, scenes: Sequence[DepthMap | IndexedCloud], places: Iterable[int]) -> Judgement:
         bones = torch.as_tensor(self.bones, device=joints.device)
         thresholds = torch.tensor(self.thresholds, device=joints.device)
         clear = torch.zeros(len(self.radii), len(self.thresholds), dtype=torch.long, device=joints.device)

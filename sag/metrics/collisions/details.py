@@ -111,7 +111,7 @@ def collision_details(
         ['frame  0  shoulder-elbow                   2 points,  40 mm deep']
     """
     bones = torch.as_tensor(bones, device=joints.device).long()
-    check_joints("collision_details", joints, int(bones.max()) + 1, frames=None)
+    check_joints("collision_details", joints, int(bones.max()) + 1, frames=None, dimensions=3)
     if isinstance(cloud, DepthMap):
         if len(cloud.depth) != 1:
             raise SagError(f"collision_details looks at one motion, it was given {len(cloud.depth)} depth maps")

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from sag.errors import SagError
-from sag.geometry.capsule import Shape
-from sag.metrics.collisions.clear_frames import RADII, THRESHOLDS, ClearFrames, Clouds, Unit
-from sag.metrics.plotted import PlottedMetric
+from sag.metrics.collisions.clear_frames import Clouds
+from sag.metrics.collisions.clear_frames_metric import ClearFramesMetric
 
 
 class CollisionSample(NamedTuple):
@@ -28,7 +23,7 @@ class CollisionSample(NamedTuple):
     density: float
 
 
-class NonCollisionRatio(PlottedMetric):
+class NonCollisionRatio(ClearFramesMetric):
     """Share of generated frames whose body touches at most a few points of the scene.
 
     A frame is clear at radius r and threshold n if at most n points p of the start frame's depth cloud lie inside a
@@ -68,46 +63,12 @@ class NonCollisionRatio(PlottedMetric):
         {'30': 1.0, '45': 1.0, '60': 0.0}
     """
 
+    title = "the non-collision ratio"
     higher_is_better = True
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
     plot_upper_bound = 1.0
 
     clear: Tensor
-    tested: Tensor
     points: Tensor
-    clouds: Tensor
-
-    def __init__(
-        self,
-        bones: np.ndarray | Sequence[Sequence[int]],
-        radii: Sequence[float] = RADII,
-        thresholds: Sequence[int] = THRESHOLDS,
-        frames: int = 10,
-        unit: Unit = "frame",
-        seed: int = 0,
-        farthest: float = 20.0,
-        shape: Shape = "capsule",
-        **options: Any,
-    ) -> None:
-        super().__init__(**options)
-        self.clear_frames = ClearFrames(
-            "the non-collision ratio",
-            np.asarray(bones),
-            tuple(radii),
-            tuple(thresholds),
-            frames,
-            unit,
-            seed,
-            farthest,
-            shape,
-        )
-        self.add_state("settings", self.clear_frames.settings, dist_reduce_fx="max")
-        zero = torch.zeros((), dtype=torch.long)
-        self.add_state("clear", zero.expand(len(radii), len(thresholds)).clone(), dist_reduce_fx="sum")
-        for name in ("tested", "points", "clouds"):
-            self.add_state(name, zero.clone(), dist_reduce_fx="sum")
 
     def update(self, joints: Float[Tensor, "b t j 3"], cloud: Clouds, index: Int[Tensor, " b"] | None = None) -> None:
         """Adds motions and the scenes around them.
@@ -116,19 +77,18 @@ class NonCollisionRatio(PlottedMetric):
             joints: 65 frames, metres, camera frame of frame 0; the given frame 0 is left out.
             cloud: what the depth sensor saw at frame 0, the person removed; or for each motion a point cloud in metres
                 and the frame of its joints, an `IndexedCloud` where the same points are given again.
-            index: place of each motion in the data set, which decides its sample; counted on when not given.
+            index: place of each motion in the data set, which decides its sample. Give it where several processes
+                share a data set: each would count its own motions from 0 on.
 
         Raises:
             SagError: joints, bones and clouds do not fit; there is no depth, or a cloud without points, in which
                 nothing could collide; a coordinate is not finite.
         """
-        first = int(self.clouds)
-        places = range(first, first + len(joints)) if index is None else index.tolist()
-        found = self.clear_frames.judge(joints, cloud, places)
+        found = self.clear_frames.judge(joints, cloud, self._places(index, len(joints)))
         self.clear = self.clear + found.clear
         self.tested = self.tested + found.tested
         self.points = self.points + found.points
-        self.clouds = self.clouds + len(joints)
+        self.motions = self.motions + len(joints)
 
     def compute(self) -> dict[str, Tensor]:
         """The ratio for each radius (its name in millimetres) and their average.
@@ -152,9 +112,11 @@ class NonCollisionRatio(PlottedMetric):
     def sample(self) -> CollisionSample:
         """How many frames or motions were judged, and how dense their clouds are."""
         with self.sync_context():
-            return CollisionSample(int(self.tested), float(self.points / self.clouds.clamp_min(1)))
+            return CollisionSample(int(self.tested), float(self.points / self.motions.clamp_min(1)))
+
+    def _sums(self) -> dict[str, tuple[int, ...]]:
+        return {"clear": (len(self.clear_frames.radii), len(self.clear_frames.thresholds)), "points": ()}
 
     def _ratios(self) -> Tensor:
-        if not self.tested:
-            raise SagError("the non-collision ratio was asked for before any motion was given")
+        self._require(self.tested)
         return self.clear.double() / self.tested

@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
 from sag.errors import SagError
-from sag.geometry.capsule import Shape
-from sag.metrics.collisions.clear_frames import RADII, THRESHOLDS, ClearFrames, Clouds, Unit
-from sag.metrics.plotted import PlottedMetric
+from sag.metrics.collisions.clear_frames import Clouds
+from sag.metrics.collisions.clear_frames_metric import ClearFramesMetric
 
 
-class SceneAwareness(PlottedMetric):
+class SceneAwareness(ClearFramesMetric):
     """Share of colliding frames of motions in their own scenes, against the same motions in other scenes.
 
     Not the paper's. With c the share of frames that are not clear (see `NonCollisionRatio`), averaged over radii and
     thresholds, `matched` is c in the scenes that the motions were made for, `elsewhere` is c of the same frames of the
     same motions moved to other scenes (`sag.geometry.relocation.relocated`), and ratio = matched / elsewhere. Every
-    motion counts in both, so how much or how fast people move cancels out: only what is fitted to the scene is left.
+    motion counts in both.
 
     It reacts to scenes: motions in the wrong ones have a ratio about 1. It does not react to jitter of 1 mm, nor to the
     level of collisions alone, since clouds of twice the density or fatter bones raise both shares. It is blind to
-    what the sensor did not see.
+    what the sensor did not see, and to motions that go nowhere: who holds frame 0 collides in no scene, since every
+    start is free ground. So read it beside Motion FID, which such motions fail.
 
-    A system that never looks at the scene has a ratio below 1 too, since everybody starts on free ground. Read the
-    ratio against a blind row, which is its zero: the same system with its scene feature zeroed.
+    Its zero is the figure of a blind row: the same system with its scene feature zeroed. It may lie on either side
+    of 1, for frame 0 is given and fits its own scene.
 
     Args:
         bones: places of the two joints of each bone.
@@ -59,44 +55,10 @@ class SceneAwareness(PlottedMetric):
         {'matched': 0.5, 'elsewhere': 1.0, 'ratio': 0.5}
     """
 
+    title = "scene awareness"
     higher_is_better = False
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
 
     colliding: Tensor
-    tested: Tensor
-    motions: Tensor
-
-    def __init__(
-        self,
-        bones: np.ndarray | Sequence[Sequence[int]],
-        radii: Sequence[float] = RADII,
-        thresholds: Sequence[int] = THRESHOLDS,
-        frames: int = 10,
-        unit: Unit = "frame",
-        seed: int = 0,
-        farthest: float = 20.0,
-        shape: Shape = "capsule",
-        **options: Any,
-    ) -> None:
-        super().__init__(**options)
-        self.clear_frames = ClearFrames(
-            "scene awareness",
-            np.asarray(bones),
-            tuple(radii),
-            tuple(thresholds),
-            frames,
-            unit,
-            seed,
-            farthest,
-            shape,
-        )
-        self.add_state("settings", self.clear_frames.settings, dist_reduce_fx="max")
-        zero = torch.zeros((), dtype=torch.long)
-        self.add_state("colliding", zero.expand(2).clone(), dist_reduce_fx="sum")
-        for name in ("tested", "motions"):
-            self.add_state(name, zero.clone(), dist_reduce_fx="sum")
 
     def update(
         self,
@@ -113,16 +75,16 @@ class SceneAwareness(PlottedMetric):
             cloud: their own scenes, as in `NonCollisionRatio.update`.
             moved: the same motions in other scenes, metres, frames of those; see `relocated`.
             moved_cloud: these other scenes.
-            index: place of each motion in the data set, which decides its sample; counted on when not given.
+            index: place of each motion in the data set, which decides its sample. Give it where several processes
+                share a data set: each would count its own motions from 0 on.
 
         Raises:
             SagError: joints, bones and clouds do not fit; there is no depth, or a cloud without points, in which
                 nothing could collide; a coordinate is not finite.
         """
         if len(moved) != len(joints):
-            raise SagError(f"scene awareness was given {len(joints)} motions but {len(moved)} of them moved elsewhere")
-        first = int(self.motions)
-        places = range(first, first + len(joints)) if index is None else index.tolist()
+            raise SagError(f"{self.title} was given {len(joints)} motions but {len(moved)} of them moved elsewhere")
+        places = self._places(index, len(joints))
         found = [self.clear_frames.judge(*side, places) for side in ((joints, cloud), (moved, moved_cloud))]
         self.colliding = self.colliding + torch.stack([(side.tested - side.clear).sum() for side in found])
         self.tested = self.tested + found[0].tested * found[0].clear.numel()
@@ -134,8 +96,10 @@ class SceneAwareness(PlottedMetric):
         Raises:
             SagError: nothing was judged.
         """
-        if not self.tested:
-            raise SagError("scene awareness was asked for before any motion was given")
+        self._require(self.tested)
         matched, elsewhere = self.colliding.double() / self.tested
         ratio = torch.where(elsewhere > 0, matched / elsewhere, torch.nan)
         return {"matched": matched, "elsewhere": elsewhere, "ratio": ratio}
+
+    def _sums(self) -> dict[str, tuple[int, ...]]:
+        return {"colliding": (2,)}

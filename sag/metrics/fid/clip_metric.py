@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from jaxtyping import Bool
 from torch import Tensor, nan, tensor
+from torch.nn import Module
 
 from sag.errors import SagError
 from sag.metrics.fid.clips import GROUPS, LENGTHS, ClipEncoders, ClipFeatures, motions_of
-from sag.metrics.plotted import PlottedMetric
-
-SIDES = ("real", "generated")
-"""Prefixes of the names of states."""
+from sag.metrics.sides import Real, TwoSides
 
 
-class ClipMetric(PlottedMetric):
+class ClipMetric(TwoSides):
     """A metric of the clip features of two sets of motions: short, mid, long and average.
 
     A subclass has `update` and `update_features`, and a `title` that its refusals begin with. The encoders are no part
@@ -28,21 +25,13 @@ class ClipMetric(PlottedMetric):
         options: of `torchmetrics.Metric`.
     """
 
-    higher_is_better = False
-    title = ""
-
-    real_motions: Tensor
-    generated_motions: Tensor
-
     def __init__(self, encoders: ClipEncoders, root: int, reset_real: bool, **options: Any) -> None:
         super().__init__(**options)
         self._encoders = (encoders,)  # in a tuple, or every checkpoint of a run would carry their weights
         self.root = root
         self.reset_real = reset_real
         self.keys = [(frames, length) for frames in encoders.frames for length in LENGTHS]
-        self._batch_alone = False
-        for side in SIDES:
-            self.add_state(f"{side}_motions", tensor(0), dist_reduce_fx="sum")
+        self._keep_settings(root, reset_real, *identity(encoders))
 
     @property
     def encoders(self) -> ClipEncoders:
@@ -53,17 +42,6 @@ class ClipMetric(PlottedMetric):
     def has_real(self) -> bool:
         """Whether the real side has motions, which `reset_real=False` keeps from epoch to epoch."""
         return bool(self.real_motions)
-
-    def forward(self, *args: Any, **kwargs: Any) -> dict[str, Tensor]:
-        """Adds motions as `update` does, and says the distance between the two sides of this batch alone.
-
-        Every value is NaN when the batch holds fewer than two motions of a side: there is nothing to compare.
-        """
-        self._batch_alone = True
-        try:
-            return super().forward(*args, **kwargs)
-        finally:
-            self._batch_alone = False
 
     def reset(self) -> None:
         """Forgets the generated motions, and the real ones unless `reset_real` is False."""
@@ -82,40 +60,31 @@ class ClipMetric(PlottedMetric):
         states = {name: getattr(self, name) for name in self._defaults if name.startswith("real_")}
         return {name: list(state) if isinstance(state, list) else state for name, state in states.items()}
 
-    def _given(self, features: ClipFeatures, real: bool | Bool[Tensor, " b"]) -> dict[str, slice | Tensor]:
+    def _given(self, features: ClipFeatures, real: Real) -> dict[str, slice | Tensor]:
         """Which of the motions are on which side, after whatever was computed before is forgotten.
 
         Raises:
             SagError: features that the metric's own encoders do not make, or no truth value for each motion.
         """
-        count = motions_of(features)
         check_features(self.title, features, self.encoders)
         self._computed = None
         self._update_count = max(1, self._update_count)
-        if isinstance(real, bool):
-            return {"real" if real else "generated": slice(None)}
-        if real.shape != (count,):
-            raise SagError(
-                f"{self.title} was given {len(real)} values of real for {count} motions; give one for each, or one"
-            )
-        return {"real": real, "generated": ~real}
+        return self._chosen(real, motions_of(features))
 
-    def _add(self, side: str, name: str, value: Tensor | int) -> None:
-        setattr(self, f"{side}_{name}", getattr(self, f"{side}_{name}") + value)
+    def _apart(self) -> dict[str, Tensor] | None:
+        """NaN for each value where a side of the batch that `forward` judges has fewer than two motions."""
+        if not self._nothing_to_compare():
+            return None
+        return {name: tensor(nan, device=self.device).double() for name in (*GROUPS, "average")}
 
-    def _nothing_to_compare(self) -> dict[str, Tensor] | None:
-        """NaN for each value where a side of the batch has fewer than two motions.
 
-        Raises:
-            SagError: the metric as a whole has fewer than two motions of a side.
-        """
-        for side in SIDES:
-            count = int(getattr(self, f"{side}_motions"))
-            if count < 2 and not self._batch_alone:
-                raise SagError(f"{self.title} needs at least 2 {side} motions, it was given {count}")
-            if count < 2:
-                return {name: tensor(nan, device=self.device).double() for name in (*GROUPS, "average")}
-        return None
+def identity(encoders: ClipEncoders) -> list[float]:
+    """Numbers that tell encoders from others: the sum of each of their parameters.
+
+    Encoders without parameters are equal to none but themselves, since nothing is known of what they do.
+    """
+    parameters = list(encoders.parameters()) if isinstance(encoders, Module) else []
+    return [float(each.detach().double().sum()) for each in parameters] or [float(id(encoders))]
 
 
 def check_features(name: str, features: ClipFeatures, encoders: ClipEncoders) -> None:

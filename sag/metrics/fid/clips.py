@@ -140,6 +140,11 @@ def motions_of(features: ClipFeatures) -> int:
     return len(next(iter(features.values())))
 
 
+def joined(parts: Sequence[ClipFeatures]) -> ClipFeatures:
+    """Features of several sets of motions as one set."""
+    return {key: torch.cat([part[key] for part in parts]) for key in parts[0]}
+
+
 def picked(features: ClipFeatures, chosen: Tensor | slice) -> ClipFeatures:
     """The features of some of the motions, given by a mask, places or a slice."""
     return {key: found[chosen] for key, found in features.items()}

@@ -8,7 +8,7 @@ from torch import Generator, Tensor
 
 from sag.errors import SagError
 from sag.metrics.fid.clips import ClipFeatures, check_paired, motions_of
-from sag.metrics.fid.resampling import weighted_motion_fid
+from sag.metrics.fid.resampling import places_of_groups, weighted_motion_fid
 
 _PIECES = 12
 """Pieces that the set is cut into: halves, thirds and quarters are sums of them."""
@@ -20,7 +20,7 @@ _PARTS = (1, 2, 3, 4)
 def motion_fid_infinity(
     generated_features: ClipFeatures,
     real_features: ClipFeatures,
-    sequence: Int[Tensor, " b"] | None = None,
+    group: Int[Tensor, " b"] | None = None,
     repeats: int = 4,
     seed: int = 0,
 ) -> dict[str, Tensor]:
@@ -38,13 +38,14 @@ def motion_fid_infinity(
     Args:
         generated_features: of generated motions, see `clip_features`.
         real_features: of as many true motions.
-        sequence: the recording of each window; given it, parts are made of whole sequences, since further windows of
-            the same recordings tell less than further recordings. Motion i of both sides belongs to window i then.
+        group: of each window its recording or, better, its room: whatever does not share people, places or cameras.
+            Given it, parts are made of whole groups, since only groups are independent: further windows of the same
+            ones tell less than further groups. Motion i of both sides belongs to window i then.
         repeats: random splits to average.
         seed: of the splits.
 
     Raises:
-        SagError: the sides do not match, or there are too few motions or sequences to split.
+        SagError: the sides do not match, or there are too few motions or groups to split.
 
     Example:
         >>> import torch
@@ -54,21 +55,12 @@ def motion_fid_infinity(
         True
     """
     check_paired("Motion FID for infinite N", generated_features, real_features)
-    unit = _units(sequence, motions_of(real_features))
+    motions = motions_of(real_features)
+    each_alone = torch.arange(motions)
+    unit = each_alone if group is None else places_of_groups("Motion FID for infinite N", group, motions)
     generator = torch.Generator().manual_seed(seed)
     found = [_intercepts(generated_features, real_features, unit, generator) for _ in range(repeats)]
     return {name: torch.stack([each[name] for each in found]).mean() for name in found[0]}
-
-
-def _units(sequence: Tensor | None, motions: int) -> Int[Tensor, " b"]:
-    """What is never split: the place of each motion's sequence, or of the motion."""
-    if sequence is None:
-        return torch.arange(motions)
-    if len(sequence) != motions:
-        raise SagError(
-            f"Motion FID for infinite N needs the sequence of each of {motions} motions, not {len(sequence)}"
-        )
-    return torch.unique(sequence.cpu(), return_inverse=True)[1]
 
 
 def _intercepts(generated: ClipFeatures, real: ClipFeatures, unit: Tensor, generator: Generator) -> dict[str, Tensor]:
@@ -78,7 +70,7 @@ def _intercepts(generated: ClipFeatures, real: ClipFeatures, unit: Tensor, gener
     sizes = torch.bincount(piece, minlength=_PIECES).double()
     splits = [split for split in map(_parts, _PARTS) if (split @ sizes).min() >= 2]
     if len(splits) < 2:
-        raise SagError("Motion FID for infinite N needs at least 4 motions, and of 2 sequences, to split them in parts")
+        raise SagError("Motion FID for infinite N needs at least 4 motions, and of 2 groups, to split them in parts")
     figures = weighted_motion_fid(generated, real, piece, torch.cat(splits))
     inverse = torch.stack([(1 / (split @ sizes)).mean() for split in splits])
     lengths = [len(split) for split in splits]

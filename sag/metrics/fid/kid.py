@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from torch import Tensor
 from torchmetrics.utilities import dim_zero_cat
 
 from sag.errors import SagError
-from sag.metrics.fid.clip_metric import SIDES, ClipMetric
+from sag.metrics.fid.clip_metric import ClipMetric
 from sag.metrics.fid.clips import (
     ClipEncoders,
     ClipFeatures,
@@ -22,6 +22,7 @@ from sag.metrics.fid.clips import (
     picked,
 )
 from sag.metrics.fid.kernel import kernel_distance
+from sag.metrics.sides import SIDES, Real
 
 _GOLDEN = 0.6180339887498949
 """Multiples of it, less their whole part, are spread evenly whatever their number."""
@@ -35,7 +36,7 @@ def motion_kid(generated_features: ClipFeatures, real_features: ClipFeatures, mo
 
     Args:
         generated_features: of generated motions.
-        real_features: of real ones, not necessarily as many.
+        real_features: of real ones, not necessarily as many; motion i of both sides is taken to continue window i.
         most: motions of a side that are compared at most.
 
     Raises:
@@ -48,23 +49,32 @@ def motion_kid(generated_features: ClipFeatures, real_features: ClipFeatures, mo
         True
     """
     check_same_encoders("Motion KID", generated_features, real_features)
-    places = [torch.arange(motions_of(side)) for side in (generated_features, real_features)]
-    sides, keys = zip((generated_features, real_features), places), list(real_features)
-    return _kid(keys, *(_one_clip_each(side, keys, index)[_spread(index, most)] for side, index in sides))
+    keys, sides = list(real_features), []
+    for side in (generated_features, real_features):
+        places = torch.arange(motions_of(side))
+        chosen = _spread(places, most)
+        sides.append((_one_clip_each(side, keys, places)[chosen], places[chosen]))
+    return _kid(keys, *sides)
 
 
 class MotionKID(ClipMetric):
     """KID of generated motions against real ones, on the features of Motion FID. Ours for motion.
 
     For each of three encoders and six clip lengths the unbiased squared maximum mean discrepancy under the kernel
-    k(x, y) = (x.y / d + 1)^3 (Binkowski et al., ICLR 2018), see `kernel_distance`; averaged into `short`, `mid`,
-    `long` and `average` as Motion FID is. Unlike Motion FID it does not depend on the number of motions, which may
+    k(x, y) = (x.y / d + 1)^3 (Binkowski et al., ICLR 2018), see `kernel_distance`:
+
+    KID = mean of k(g_i, g_j) + mean of k(r_i, r_j) - 2 mean of k(g_i, r_j), each over pairs of windows i != j
+
+    where g_i and r_i are features of the generated and the true motion of window i; averaged into `short`, `mid`,
+    `long` and `average` as Motion FID is. Both continue one given frame, so they are alike, and pairs of one window
+    are left out across the sides as they are within a side: otherwise the figure would lie too low by c / N. True
+    motions against themselves are at 0. Unlike Motion FID it does not depend on the number of motions, which may
     differ between the sides, and it assumes no Gaussian. It may be negative where there is nothing to tell apart.
 
     Clips of one motion are alike, and pairs of them would bias the mean upwards: so each motion gives one clip of
     each length, in turn from every place. Memory is bounded: beyond `most` motions of a side those are kept that a
-    fixed rule spreads evenly over the data set, 18 d numbers each. Windows of one recording are alike too;
-    that lifts the figure a little, and is left in.
+    fixed rule spreads evenly over the data set, 18 d numbers each. Windows of one recording are alike too, within
+    a side and across; that is left in.
 
     Reacts to poses and paths that true motions do not have, and to a lack of variety. Blind to the scene, to where a
     motion starts, to the given frame, and nearly so to jitter.
@@ -108,7 +118,7 @@ class MotionKID(ClipMetric):
     def update(
         self,
         joints: Float[Tensor, "b t j 3"],
-        real: bool | Bool[Tensor, " b"],
+        real: Real,
         index: Int[Tensor, " b"] | None = None,
     ) -> None:
         """Adds motions to the sides they are on.
@@ -116,17 +126,16 @@ class MotionKID(ClipMetric):
         Args:
             joints: 65 frames, metres, camera frame of frame 0; the given frame 0 is left out.
             real: whether these are true motions, for all or for each.
-            index: place of each motion in the data set, which decides on its clips and whether it is kept, so that
-                batches, order and processes make no difference; counted on in each process when not given.
+            index: place of each motion's window in the data set, the same on both sides. Motions of one index are not
+                compared. It decides on clips and on what is kept too, so that batches, order and processes make no
+                difference; counted on for each side in each process when not given.
 
         Raises:
             SagError: another number of frames or joints, or a coordinate that is not finite.
         """
         self.update_features(clip_features(self.encoders, joints, self.root), real, index)
 
-    def update_features(
-        self, features: ClipFeatures, real: bool | Bool[Tensor, " b"], index: Int[Tensor, " b"] | None = None
-    ) -> None:
+    def update_features(self, features: ClipFeatures, real: Real, index: Int[Tensor, " b"] | None = None) -> None:
         """Adds motions of which `clip_features` made the features already.
 
         Args:
@@ -146,9 +155,13 @@ class MotionKID(ClipMetric):
         """KID as short, mid, long and average.
 
         Raises:
-            SagError: a side has fewer than two motions.
+            SagError: a side has fewer than two motions, or all of one index.
         """
-        return self._nothing_to_compare() or _kid(self.keys, *(self._kept(side)[0] for side in reversed(SIDES)))
+        real, generated = (self._kept(side) for side in SIDES)
+        found = self._apart() or _kid(self.keys, generated, real)
+        if not self._batch_alone and min(len(index.unique()) for _, index in (real, generated)) < 2:
+            raise SagError("Motion KID compares motions of different index, and a side has one index only; give more")
+        return found
 
     def reset(self) -> None:
         """Forgets the generated motions, and the real ones unless `reset_real` is False."""
@@ -203,6 +216,8 @@ def _spread(index: Int[Tensor, " n"], most: int) -> Int[Tensor, " kept"]:
 
 
 def _kid(
-    keys: Sequence[tuple[int, int]], generated: Float[Tensor, "n k d"], real: Float[Tensor, "m k d"]
+    keys: Sequence[tuple[int, int]], generated: tuple[Tensor, Tensor], real: tuple[Tensor, Tensor]
 ) -> dict[str, Tensor]:
-    return grouped({key: kernel_distance(generated[:, place], real[:, place]) for place, key in enumerate(keys)})
+    """KID of both sides' clips (n, k, d) and the indices of their windows (n)."""
+    (made, own), (true, other) = generated, real
+    return grouped({key: kernel_distance(made[:, k], true[:, k], (own, other)) for k, key in enumerate(keys)})

@@ -6,13 +6,14 @@ import warnings
 from typing import Any, Literal, NamedTuple
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from torch import Tensor
 
 from sag.errors import SagError
-from sag.metrics.fid.clip_metric import SIDES, ClipMetric
+from sag.metrics.fid.clip_metric import ClipMetric
 from sag.metrics.fid.clips import ClipEncoders, ClipFeatures, check_paired, clip_features, grouped, motions_of, picked
 from sag.metrics.frechet import Gaussian
+from sag.metrics.sides import SIDES, Real
 from sag.types import GENERATED
 
 
@@ -87,7 +88,7 @@ class MotionFID(ClipMetric):
                 zeros = torch.zeros(len(self.keys), *shape, dtype=torch.float64)
                 self.add_state(f"{side}_{name}", zeros, dist_reduce_fx="sum")
 
-    def update(self, joints: Float[Tensor, "b t j 3"], real: bool | Bool[Tensor, " b"]) -> None:
+    def update(self, joints: Float[Tensor, "b t j 3"], real: Real) -> None:
         """Adds motions to the sides they are on.
 
         Args:
@@ -99,7 +100,7 @@ class MotionFID(ClipMetric):
         """
         self.update_features(clip_features(self.encoders, joints, self.root), real)
 
-    def update_features(self, features: ClipFeatures, real: bool | Bool[Tensor, " b"]) -> None:
+    def update_features(self, features: ClipFeatures, real: Real) -> None:
         """Adds motions of which `clip_features` made the features already.
 
         Args:
@@ -122,7 +123,7 @@ class MotionFID(ClipMetric):
         Raises:
             SagError: a side has fewer than two motions, or one has more than the other.
         """
-        return self._nothing_to_compare() or grouped(self._distances())
+        return self._apart() or grouped(self._distances())
 
     def distances(self) -> dict[tuple[int, int], ClipDistance]:
         """All 18 distances by (frames the encoder was trained on, frames of the clips), with d and N.
@@ -166,7 +167,7 @@ class MotionFID(ClipMetric):
         if real == generated or self._batch_alone or self.unequal == "ignore":
             return
         sentence = (
-            f"Motion FID was given {real} real and {generated} generated motions, and it shrinks as sets grow: "
+            f"{self.title} was given {real} real and {generated} generated motions, and it shrinks as sets grow: "
             "give both sides equally many, or say unequal='warn'"
         )
         if self.unequal == "refuse":

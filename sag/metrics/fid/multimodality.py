@@ -10,6 +10,7 @@ from torch import Tensor
 
 from sag.errors import SagError
 from sag.metrics.checking import check_joints
+from sag.metrics.fid.clip_metric import identity
 from sag.metrics.fid.clips import ClipEncoders
 from sag.metrics.motion.pairwise_distance import pairwise_distance
 from sag.metrics.plotted import PlottedMetric
@@ -73,6 +74,7 @@ class Multimodality(PlottedMetric):
         0.0
     """
 
+    title = "multimodality"
     higher_is_better = None  # noise is diverse too: ground truth is the aim where there is one
 
     spread: Tensor
@@ -82,7 +84,7 @@ class Multimodality(PlottedMetric):
         super().__init__(**options)
         self._encoders = (encoders,)  # in a tuple, or every checkpoint of a run would carry their weights
         self.root = root
-        # Named apart from other metrics' states: a collection takes metrics of the same states for one.
+        self._keep_settings(root, *identity(encoders))
         self.add_state("spread", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("windows_spread", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -100,7 +102,7 @@ class Multimodality(PlottedMetric):
         Raises:
             SagError: fewer than two samples, another number of frames or joints, or a coordinate that is not finite.
         """
-        check_joints("multimodality", samples, self.encoders.joints, exact=True)
+        check_joints(self.title, samples, self.encoders.joints, exact=True, dimensions=5)
         features = whole_motion_features(self.encoders, samples.flatten(0, 1), self.root)
         self.update_features(features.unflatten(0, samples.shape[:2]))
 
@@ -111,7 +113,7 @@ class Multimodality(PlottedMetric):
             SagError: fewer than two samples, or a feature that is not finite.
         """
         if not features.isfinite().all():
-            raise SagError("multimodality was given features that are not finite; leave such motions out")
+            raise SagError(f"{self.title} was given features that are not finite; leave such motions out")
         self._computed = None  # `update` would forget the last result and count itself, but may not have been called
         self._update_count = max(1, self._update_count)
         self.spread = self.spread + pairwise_distance(features.double()).sum()
@@ -123,6 +125,5 @@ class Multimodality(PlottedMetric):
         Raises:
             SagError: no window was given.
         """
-        if not self.windows_spread:
-            raise SagError("multimodality was asked for before any window was given")
+        self._require(self.windows_spread, "window")
         return self.spread / self.windows_spread

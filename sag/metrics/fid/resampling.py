@@ -8,11 +8,28 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from sag.errors import SagError
 from sag.metrics.fid.clips import ClipFeatures, grouped
 from sag.metrics.frechet import Gaussian
 
 _MOST_SUMS = 2**27
 """Numbers (1 GiB) that the sums of all groups may take for one encoder, one clip length and one side."""
+
+
+def places_of_groups(name: str, group: Int[Tensor, " b"], motions: int) -> Int[Tensor, " b"]:
+    """The place of each motion's group among all groups, 0, 1, ..., on the CPU.
+
+    Args:
+        name: of the figure, as its refusal begins.
+        group: of each motion, any whole numbers.
+        motions: how many there are.
+
+    Raises:
+        SagError: not one group for each motion.
+    """
+    if len(group) != motions:
+        raise SagError(f"{name} needs the group of each of {motions} motions, not {len(group)}")
+    return torch.unique(group.cpu(), return_inverse=True)[1]
 
 
 def weighted_motion_fid(

@@ -85,6 +85,7 @@ class BestOfK(PlottedMetric):
         {'path_0.5': 0.25, 'path_2': 0.25, 'pose_0.5': 0.0, 'pose_2': 0.0}
     """
 
+    title = "best of K"
     higher_is_better = False
 
     path_errors: Tensor
@@ -95,8 +96,9 @@ class BestOfK(PlottedMetric):
         super().__init__(**options)
         self.root, self.seconds = root, tuple(seconds)
         self.frames = [_frame(time, fps) for time in self.seconds]
-        for name, shape in (("path_errors", len(self.frames)), ("pose_errors", len(self.frames))):
-            self.add_state(name, torch.zeros(shape, dtype=torch.float64), dist_reduce_fx="sum")
+        self._keep_settings(root, *self.frames)
+        for name in ("path_errors", "pose_errors"):
+            self.add_state(name, torch.zeros(len(self.frames), dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("windows_compared", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
     def update(self, samples: Float[Tensor, "b k t j 3"], joints: Float[Tensor, "b t j 3"]) -> None:
@@ -109,11 +111,11 @@ class BestOfK(PlottedMetric):
         Raises:
             SagError: samples and true motions do not fit, or a coordinate is not finite.
         """
-        for name, motions in (("best of K (samples)", samples), ("best of K (true motions)", joints)):
-            check_joints(name, motions, self.root + 1)
+        check_joints(f"{self.title} (samples)", samples, self.root + 1, dimensions=5)
+        check_joints(f"{self.title} (true motions)", joints, self.root + 1)
         if len(samples) != len(joints) or samples.shape[3] != joints.shape[2] or not samples.shape[1]:
             raise SagError(
-                f"best of K was given samples of shape {tuple(samples.shape)} for true motions of shape "
+                f"{self.title} was given samples of shape {tuple(samples.shape)} for true motions of shape "
                 f"{tuple(joints.shape)}; it needs at least one sample of each window with the same joints"
             )
         error = motion_error(samples[:, :, self.frames].double(), joints[:, self.frames].double(), self.root)
@@ -127,8 +129,7 @@ class BestOfK(PlottedMetric):
         Raises:
             SagError: no window was given.
         """
-        if not self.windows_compared:
-            raise SagError("best of K was asked for before any window was given")
+        self._require(self.windows_compared, "window")
         return {
             f"{name}_{time:g}": total / self.windows_compared
             for name, totals in (("path", self.path_errors), ("pose", self.pose_errors))

@@ -72,6 +72,7 @@ class BoneDrift(PlottedMetric):
         0.25
     """
 
+    title = "bone drift"
     higher_is_better = False
 
     bones: Tensor
@@ -81,6 +82,7 @@ class BoneDrift(PlottedMetric):
     def __init__(self, bones: np.ndarray | Sequence[Sequence[int]], **options: Any) -> None:
         super().__init__(**options)
         self.register_buffer("bones", torch.as_tensor(np.asarray(bones)).long(), persistent=False)
+        self._keep_settings(*self.bones.flatten().tolist())
         self.add_state("drift", torch.zeros(len(self.bones), dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("motions_drifted", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -93,7 +95,7 @@ class BoneDrift(PlottedMetric):
         Raises:
             SagError: joints and bones do not fit, a coordinate is not finite, or a bone has no length in frame 0.
         """
-        check_joints("bone drift", joints, int(self.bones.max()) + 1)
+        check_joints(self.title, joints, int(self.bones.max()) + 1)
         self.drift = self.drift + bone_drift(joints.double(), self.bones).sum(0)
         self.motions_drifted = self.motions_drifted + len(joints)
 
@@ -115,6 +117,5 @@ class BoneDrift(PlottedMetric):
             return self._each()
 
     def _each(self) -> Tensor:
-        if not self.motions_drifted:
-            raise SagError("bone drift was asked for before any motion was given")
+        self._require(self.motions_drifted)
         return self.drift / self.motions_drifted

@@ -64,6 +64,7 @@ class AveragePairwiseDistance(PlottedMetric):
         1.0
     """
 
+    title = "average pairwise distance"
     higher_is_better = None  # noise is diverse too: ground truth is the aim where there is one
 
     apart: Tensor
@@ -71,7 +72,6 @@ class AveragePairwiseDistance(PlottedMetric):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        # Named apart from other metrics' states: a collection takes metrics of the same states for one.
         self.add_state("apart", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("windows_apart", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -84,7 +84,7 @@ class AveragePairwiseDistance(PlottedMetric):
         Raises:
             SagError: fewer than two samples, another number of frames, or a coordinate that is not finite.
         """
-        check_joints("average pairwise distance", samples, 1)
+        check_joints(self.title, samples, 1, dimensions=5)
         self.apart = self.apart + pairwise_distance(samples[:, :, 1:].double().flatten(2)).sum()
         self.windows_apart = self.windows_apart + len(samples)
 
@@ -94,6 +94,5 @@ class AveragePairwiseDistance(PlottedMetric):
         Raises:
             SagError: no window was given.
         """
-        if not self.windows_apart:
-            raise SagError("average pairwise distance was asked for before any window was given")
+        self._require(self.windows_apart, "window")
         return self.apart / self.windows_apart

@@ -72,6 +72,7 @@ class SampleDeviation(PlottedMetric):
         [0.0, 0.5, 1.0]
     """
 
+    title = "the deviation of samples"
     higher_is_better = None  # noise is diverse too: ground truth is the aim where there is one
 
     deviations: Tensor
@@ -80,6 +81,7 @@ class SampleDeviation(PlottedMetric):
     def __init__(self, root: int, **options: Any) -> None:
         super().__init__(**options)
         self.root = root
+        self._keep_settings(root)
         self.add_state("deviations", torch.zeros(FRAMES, dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("windows_parted", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -92,7 +94,7 @@ class SampleDeviation(PlottedMetric):
         Raises:
             SagError: fewer than two samples, another number of frames, or a coordinate that is not finite.
         """
-        check_joints("the deviation of samples", samples, self.root + 1)
+        check_joints(self.title, samples, self.root + 1, dimensions=5)
         self.deviations = self.deviations + sample_deviation(samples.double(), self.root).sum(0)
         self.windows_parted = self.windows_parted + len(samples)
 
@@ -114,6 +116,5 @@ class SampleDeviation(PlottedMetric):
             return self._curve()
 
     def _curve(self) -> Tensor:
-        if not self.windows_parted:
-            raise SagError("the deviation of samples was asked for before any window was given")
+        self._require(self.windows_parted, "window")
         return self.deviations / self.windows_parted

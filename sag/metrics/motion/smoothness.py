@@ -9,8 +9,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from sag.errors import SagError
-from sag.metrics.checking import check_joints
+from sag.metrics.checking import check_fps, check_joints
 from sag.metrics.plotted import PlottedMetric
 
 
@@ -47,9 +46,7 @@ class _Smoothness(PlottedMetric, ABC):
 
     def __init__(self, fps: float, **options: Any) -> None:
         super().__init__(**options)
-        if not fps > 0:
-            raise SagError(f"fps of {type(self).__name__} must be above 0, not {fps}")
-        self.fps = float(fps)
+        self.fps = check_fps(self.title, fps)
         for name in ("second_differences", "third_differences", "motions_differenced"):
             self.add_state(name, torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -62,7 +59,7 @@ class _Smoothness(PlottedMetric, ABC):
         Raises:
             SagError: another number of frames, or a coordinate that is not finite.
         """
-        check_joints(type(self).__name__.lower(), joints, 1)
+        check_joints(self.title, joints, 1)
         wide = joints.double()
         # Without units of time: metrics of other rates share these states and apply their rate to the result.
         self.second_differences = self.second_differences + mean_derivative(wide, 2, fps=1).sum()
@@ -70,8 +67,7 @@ class _Smoothness(PlottedMetric, ABC):
         self.motions_differenced = self.motions_differenced + len(joints)
 
     def _mean(self, total: Tensor) -> Tensor:
-        if not self.motions_differenced:
-            raise SagError(f"{type(self).__name__.lower()} was asked for before any motion was given")
+        self._require(self.motions_differenced)
         return total / self.motions_differenced
 
 
@@ -98,6 +94,8 @@ class Acceleration(_Smoothness):
         >>> round(float(metric.compute()), 2)
         9.81
     """
+
+    title = "acceleration"
 
     def compute(self) -> Tensor:
         """Mean acceleration, m/s^2.
@@ -130,6 +128,8 @@ class Jerk(_Smoothness):
         >>> round(float(metric.compute()), 6)
         12.0
     """
+
+    title = "jerk"
 
     def compute(self) -> Tensor:
         """Mean jerk, m/s^3.

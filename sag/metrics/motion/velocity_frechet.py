@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from torch import Tensor
 
-from sag.errors import SagError
-from sag.metrics.checking import check_joints
+from sag.metrics.checking import check_fps, check_joints
 from sag.metrics.frechet import Gaussian
-from sag.metrics.sides import TwoSided
+from sag.metrics.sides import Real, TwoGaussians
+from sag.types import GENERATED
 
 SLOWEST = 0.01
 """Coordinates of the real side that deviate by less than this (m/s) are taken to deviate by this much."""
-
-_TITLE = "the velocity Fréchet distance"
 
 
 def joint_velocities(joints: Float[Tensor, "b t j 3"], fps: float) -> Float[Tensor, "b t-1 3*j"]:
@@ -52,7 +50,7 @@ def velocity_frechet(
     return metric.compute()
 
 
-class VelocityFrechet(TwoSided):
+class VelocityFrechet(TwoGaussians):
     """Fréchet distance between the joint velocities of generated and of true motions. Ours.
 
     The velocity of a step is one vector of 3 j numbers, v_t = fps (x_{t+1} - x_t), and all 64 steps of a motion count,
@@ -83,13 +81,13 @@ class VelocityFrechet(TwoSided):
         1.0
     """
 
+    title = "the velocity Fréchet distance"
+
     def __init__(self, fps: float, joints: int, **options: Any) -> None:
-        super().__init__(_TITLE, 3 * joints, (fps,), **options)
-        if not fps > 0:
-            raise SagError(f"fps of {_TITLE} must be above 0, not {fps}")
+        super().__init__(3 * joints, GENERATED, check_fps(self.title, fps), **options)
         self.fps, self.joints = float(fps), joints
 
-    def update(self, joints: Float[Tensor, "b t j 3"], real: bool | Bool[Tensor, " b"]) -> None:
+    def update(self, joints: Float[Tensor, "b t j 3"], real: Real) -> None:
         """Adds motions to a side.
 
         Args:
@@ -97,10 +95,10 @@ class VelocityFrechet(TwoSided):
             real: whether these are true motions, for all or for each.
 
         Raises:
-            SagError: another number of frames or joints, or a coordinate that is not finite.
+            SagError: another number of frames or joints, a coordinate that is not finite, or no truth values.
         """
-        check_joints(_TITLE, joints, self.joints, exact=True)
-        self._add(joint_velocities(joints, self.fps), real)
+        check_joints(self.title, joints, self.joints, exact=True)
+        self._add_features(joint_velocities(joints, self.fps), real)
 
     def _distance(self, real: Gaussian, generated: Gaussian) -> Float[Tensor, ""]:
         scale = real.covariance.diagonal().clamp_min(SLOWEST**2).sqrt()

@@ -69,9 +69,7 @@ class DepthError(PlottedMetric):
     """
 
     higher_is_better = None
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
+    title = "the depth error"
 
     errors: Tensor
     pictures: Tensor
@@ -91,13 +89,13 @@ class DepthError(PlottedMetric):
         Raises:
             SagError: the two are of different sizes, or a value is not finite.
         """
-        if predicted.shape != depth.shape:
+        if predicted.shape != depth.shape or depth.dim() != 3:
             raise SagError(
-                f"the depth error needs estimated and true depth of one size, not {tuple(predicted.shape)} and "
+                f"{self.title} needs estimated and true depth of one size (b, h, w), not {tuple(predicted.shape)} and "
                 f"{tuple(depth.shape)}; resample the estimate to the true depth's pixels"
             )
         if not (predicted.isfinite().all() and depth.isfinite().all()):
-            raise SagError("the depth error was given depth that is not finite; set unknown true depth to 0")
+            raise SagError(f"{self.title} was given depth that is not finite; set unknown true depth to 0")
         each = depth_errors(predicted, depth)
         known = (depth > 0).flatten(1).any(1)
         self.errors = self.errors + torch.stack([each[name][known].sum() for name in _NAMES])
@@ -109,6 +107,5 @@ class DepthError(PlottedMetric):
         Raises:
             SagError: no picture with known depth was given.
         """
-        if not self.pictures:
-            raise SagError("the depth error was asked for before any picture with known depth was given")
+        self._require(self.pictures, "picture with known depth")
         return dict(zip(_NAMES, self.errors / self.pictures))

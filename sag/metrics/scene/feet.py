@@ -10,8 +10,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-from sag.errors import SagError
-from sag.metrics.checking import check_joints
+from sag.metrics.checking import check_floor, check_fps, check_joints
 from sag.metrics.plotted import PlottedMetric
 from sag.metrics.scene.floor_error import ANKLE_HEIGHT
 
@@ -71,7 +70,6 @@ class _Feet(PlottedMetric, ABC):
     planted: Tensor
     touching: Tensor
     frames_over_floor: Tensor
-    highest_ankle: Tensor
 
     def __init__(
         self,
@@ -82,16 +80,11 @@ class _Feet(PlottedMetric, ABC):
         **options: Any,
     ) -> None:
         super().__init__(**options)
-        if not fps > 0:
-            raise SagError(f"fps of {type(self).__name__} must be above 0, not {fps}")
-        self.feet, self.fps, self.ankle_height, self.tolerance = list(feet), float(fps), ankle_height, tolerance
+        self.feet, self.fps = list(feet), check_fps(self.title, fps)
+        self.ankle_height, self.tolerance = ankle_height, tolerance
+        self._keep_settings(ankle_height, tolerance, *self.feet)  # not the rate, which `compute` applies to the sums
         for name in ("slid", "planted", "touching", "frames_over_floor"):
             self.add_state(name, torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
-        # A constant among the states, since a collection takes metrics of equal states for one: those of another
-        # threshold have other states even before any foot has touched the floor.
-        self.add_state(
-            "highest_ankle", torch.tensor(ankle_height + tolerance, dtype=torch.float64), dist_reduce_fx="max"
-        )
 
     def update(self, world: Float[Tensor, "b t j 3"], floor: Float[Tensor, "b t feet"]) -> None:
         """Adds motions.
@@ -104,26 +97,14 @@ class _Feet(PlottedMetric, ABC):
         Raises:
             SagError: another number of frames or feet, or a coordinate that is not finite.
         """
-        self._check(world, floor)
+        check_joints(self.title, world, max(self.feet) + 1)
+        check_floor(self.title, floor, world, self.feet)
         found = footing(world.double(), floor.double(), self.feet, 1.0, self.ankle_height, self.tolerance)
         both = found.contact[:, 1:] & found.contact[:, :-1]
         self.slid = self.slid + (found.speed * both).sum()
         self.planted = self.planted + both.sum()
         self.touching = self.touching + found.contact[:, 1:].any(-1).sum()
         self.frames_over_floor = self.frames_over_floor + (~floor[:, 1:].isnan()).any(-1).sum()
-
-    def _check(self, world: Tensor, floor: Tensor) -> None:
-        name = type(self).__name__
-        check_joints(name, world, max(self.feet) + 1)
-        wanted = (*world.shape[:2], len(self.feet))
-        if tuple(floor.shape) != wanted:
-            raise SagError(f"{name} needs the floor's height under each foot, shape {wanted}, not {tuple(floor.shape)}")
-        if floor.isinf().any():
-            raise SagError(f"{name} was given an infinite height of the floor; let it be NaN where it is not known")
-
-    def _require_motions(self) -> None:
-        if not self.frames_over_floor:
-            raise SagError(f"{type(self).__name__} was asked for before any motion over a known floor was given")
 
 
 class FootContact(_Feet):
@@ -154,6 +135,7 @@ class FootContact(_Feet):
         0.5
     """
 
+    title = "foot contact"
     higher_is_better = None
     plot_upper_bound = 1.0
 
@@ -163,7 +145,7 @@ class FootContact(_Feet):
         Raises:
             SagError: no motion over a known floor was given.
         """
-        self._require_motions()
+        self._require(self.frames_over_floor, "motion over a known floor")
         return self.touching / self.frames_over_floor
 
 
@@ -183,7 +165,8 @@ class FootSkate(_Feet):
 
     It reacts to feet that slide. It is blind to everything above the ankles (jitter of the hands is nothing to it),
     to feet in the air, and to vertical motion as long as contact stays. Real people have some, as ankles turn while
-    feet stand: read it beside the ground truth's. It is 0 where no foot ever touches.
+    feet stand: read it beside the ground truth's. It is NaN where no foot ever
+    stays on the floor from one frame to the next: nothing is known of the sliding of feet that float.
 
     Args:
         feet: places of the two ankles among the joints.
@@ -203,13 +186,14 @@ class FootSkate(_Feet):
         0.5
     """
 
+    title = "foot skate"
     higher_is_better = False
 
     def compute(self) -> Tensor:
-        """Mean speed of touching feet, m/s.
+        """Mean speed of touching feet, m/s; NaN where no foot touches in two frames on end.
 
         Raises:
             SagError: no motion over a known floor was given.
         """
-        self._require_motions()
-        return self.slid / self.planted.clamp_min(1) * self.fps
+        self._require(self.frames_over_floor, "motion over a known floor")
+        return self.slid / self.planted * self.fps

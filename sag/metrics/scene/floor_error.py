@@ -11,14 +11,12 @@ from jaxtyping import Float
 from torch import Tensor
 
 from sag.errors import SagError
-from sag.metrics.checking import check_joints
+from sag.metrics.checking import check_floor, check_joints
 from sag.metrics.plotted import PlottedMetric
-from sag.types import FRAMES, KnownGeometry
+from sag.types import KnownGeometry
 
 ANKLE_HEIGHT = 0.085
 """Height of the ankle joint over the sole of the synthetic rooms' people, metres; other people have other ankles."""
-
-_TITLE = "the floor error"
 
 
 def known_floor(
@@ -118,9 +116,7 @@ class FloorError(PlottedMetric):
     """
 
     higher_is_better = False
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
+    title = "the floor error"
 
     sunk: Tensor
     floating: Tensor
@@ -129,9 +125,7 @@ class FloorError(PlottedMetric):
     def __init__(self, feet: Sequence[int], ankle_height: float = ANKLE_HEIGHT, **options: Any) -> None:
         super().__init__(**options)
         self.feet, self.ankle_height = tuple(feet), ankle_height
-        # A collection takes metrics of equal states for one: those of other settings must differ on any motions.
-        settings = torch.tensor([ankle_height, *self.feet], dtype=torch.float64)
-        self.add_state("settings", settings, dist_reduce_fx="max")
+        self._keep_settings(ankle_height, *self.feet)
         for name in ("sunk", "floating", "frames"):
             self.add_state(name, torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -146,14 +140,8 @@ class FloorError(PlottedMetric):
         Raises:
             SagError: another number of frames or feet, too few joints, or a coordinate that is not finite.
         """
-        check_joints(_TITLE, world, max(self.feet) + 1)
-        if floor.shape != (len(world), FRAMES, len(self.feet)):
-            wanted = (len(world), FRAMES, len(self.feet))
-            raise SagError(
-                f"{_TITLE} needs a floor of shape {wanted}, a height for each foot, not {tuple(floor.shape)}"
-            )
-        if floor.isinf().any():
-            raise SagError(f"{_TITLE} was given an infinite height of the floor; let it be NaN where it is not known")
+        check_joints(self.title, world, max(self.feet) + 1)
+        check_floor(self.title, floor, world, self.feet)
         height = lowest_foot(world[:, 1:], floor[:, 1:], self.feet) - self.ankle_height
         known = height[height.isfinite()]
         self.sunk = self.sunk - known.clamp(max=0).sum()
@@ -166,7 +154,6 @@ class FloorError(PlottedMetric):
         Raises:
             SagError: no frame over a known floor was given.
         """
-        if not self.frames:
-            raise SagError(f"{_TITLE} was asked for before any motion over a known floor was given")
+        self._require(self.frames, "motion over a known floor")
         sunk, floating = self.sunk / self.frames, self.floating / self.frames
         return {"sunk": sunk, "floating": floating, "error": sunk + floating}

@@ -75,16 +75,21 @@ def floor_under_feet(
     if len(cloud.depth) != len(world):
         raise SagError(f"the floor needs a depth cloud for each of {len(world)} motions, not {len(cloud.depth)}")
     ankles = world[:, :, list(feet)].float()
+    floor = torch.zeros_like(ankles[..., 2])
+    with torch.autocast(world.device.type, enabled=False):  # a figure must not hang on the run's precision
+        for place, person in enumerate(ankles):
+            start = _start(person, ankle_height)
+            seen = _seen(cloud[place : place + 1], world2cam[place : place + 1])
+            seen = seen[seen[:, 2] < start.heights + rise]
+            floor[place] = _nearest(person[..., :2], start, _lowest(seen))
+    return floor.to(torch.promote_types(world.dtype, torch.float32))
+
+
+def _seen(cloud: DepthMap, world2cam: Float[Tensor, "1 4 4"]) -> Float[Tensor, "n 3"]:
+    """Points of one depth map, or as many of them as are needed, in the world frame."""
     stride = max(1, cloud.depth.shape[1:].numel() // _POINTS)
-    found = []
-    for place, person in enumerate(ankles):
-        one = cloud[place : place + 1]
-        points = to_world(point_cloud(one.depth, one.intrinsics).float(), world2cam[place : place + 1])
-        seen = points[one.depth > 0][::stride]
-        start = _start(person, ankle_height)
-        seen = seen[seen[:, 2] < start.heights + rise]
-        found.append(_nearest(person[..., :2], start, _lowest(seen)))
-    return torch.stack(found).to(world.dtype) if found else ankles[..., 2].to(world.dtype)
+    points = to_world(point_cloud(cloud.depth.float(), cloud.intrinsics.float()), world2cam.float())
+    return points[cloud.depth > 0][::stride]
 
 
 def _start(ankles: Float[Tensor, "t feet 3"], ankle_height: float) -> _Floor:

@@ -18,8 +18,6 @@ from sag.types import GENERATED, KnownGeometry
 SPACING = 0.05
 """Greatest distance between samples along a bone, metres."""
 
-_TITLE = "penetration"
-
 
 def deepest_penetration(
     world: Float[Tensor, "t j 3"], bones: np.ndarray | Sequence[Sequence[int]], geometry: KnownGeometry
@@ -96,9 +94,7 @@ class Penetration(PlottedMetric):
     """
 
     higher_is_better = False
-    is_differentiable = False
-    full_state_update = False
-    plot_lower_bound = 0.0
+    title = "penetration"
 
     totals: Tensor
     frames: Tensor
@@ -113,12 +109,10 @@ class Penetration(PlottedMetric):
     ) -> None:
         super().__init__(**options)
         if not 1 <= every <= GENERATED:
-            raise SagError(f"every of {_TITLE} must lie in 1 .. {GENERATED}, not {every}")
+            raise SagError(f"every of {self.title} must lie in 1 .. {GENERATED}, not {every}")
         self.bones = [(int(start), int(end)) for start, end in bones]
         self.root, self.tolerance, self.every = root, tolerance, every
-        # A collection takes metrics of equal states for one: those of other settings must differ on any motions.
-        settings = [tolerance, every, root, *(joint for bone in self.bones for joint in bone)]
-        self.add_state("settings", torch.tensor(settings, dtype=torch.float64), dist_reduce_fx="max")
+        self._keep_settings(tolerance, every, root, *(joint for bone in self.bones for joint in bone))
         self.add_state("totals", torch.zeros(3, dtype=torch.float64), dist_reduce_fx="sum")
         self.add_state("frames", torch.zeros((), dtype=torch.float64), dist_reduce_fx="sum")
 
@@ -132,9 +126,9 @@ class Penetration(PlottedMetric):
         Raises:
             SagError: joints and bones do not fit, not one geometry for each motion, or a coordinate that is not finite.
         """
-        check_joints(_TITLE, world, max(self.root, *(joint for bone in self.bones for joint in bone)) + 1)
+        check_joints(self.title, world, max(self.root, *(joint for bone in self.bones for joint in bone)) + 1)
         if len(geometry) != len(world):
-            raise SagError(f"{_TITLE} was given {len(world)} motions but {len(geometry)} scenes")
+            raise SagError(f"{self.title} was given {len(world)} motions but {len(geometry)} scenes")
         judged = world[:, 1 :: self.every]
         for scene, rows in _by_scene(geometry):
             motions = judged[rows].flatten(0, 1)
@@ -151,8 +145,7 @@ class Penetration(PlottedMetric):
         Raises:
             SagError: no motion was given.
         """
-        if not self.frames:
-            raise SagError(f"{_TITLE} was asked for before any motion was given")
+        self._require(self.frames)
         return dict(zip(("share", "root", "depth"), self.totals / self.frames))
 
 

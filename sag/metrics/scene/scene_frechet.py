@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from torch import Tensor
 
 from sag.errors import SagError
 from sag.geometry.camera import project
 from sag.metrics.checking import check_joints
 from sag.metrics.frechet import Gaussian
-from sag.metrics.sides import TwoSided
+from sag.metrics.sides import Real, TwoGaussians
 from sag.types import GENERATED, DepthMap
 
 EVERY = 8
@@ -20,8 +20,6 @@ EVERY = 8
 
 REACH = 1.0
 """Farther than this before or behind a surface is as far as this, metres."""
-
-_TITLE = "the scene Fréchet distance"
 
 
 def room_behind(roots: Float[Tensor, "b t 3"], cloud: DepthMap, reach: float = REACH) -> Float[Tensor, "b t"]:
@@ -50,7 +48,7 @@ def room_behind(roots: Float[Tensor, "b t 3"], cloud: DepthMap, reach: float = R
     return torch.where(inside & (seen > 0), free, reach)
 
 
-class SceneFrechet(TwoSided):
+class SceneFrechet(TwoGaussians):
     """Fréchet distance of true and generated pairs of a motion and its scene, in square metres. Ours.
 
     A pair is seen as 8 numbers: how far behind the root, at frames 8, 16, ..., 64, the surface lies that the camera
@@ -89,11 +87,13 @@ class SceneFrechet(TwoSided):
         8.0
     """
 
+    title = "the scene Fréchet distance"
+
     def __init__(self, root: int, reach: float = REACH, **options: Any) -> None:
-        super().__init__(_TITLE, GENERATED // EVERY, (root, reach), **options)
+        super().__init__(GENERATED // EVERY, 1, root, reach, **options)
         self.root, self.reach = root, reach
 
-    def update(self, joints: Float[Tensor, "b t j 3"], cloud: DepthMap, real: bool | Bool[Tensor, " b"]) -> None:
+    def update(self, joints: Float[Tensor, "b t j 3"], cloud: DepthMap, real: Real) -> None:
         """Adds motions and the clouds of their start frames to a side.
 
         Args:
@@ -105,13 +105,13 @@ class SceneFrechet(TwoSided):
             SagError: another number of frames, no root among the joints, not one cloud for each motion, a cloud
                 without any depth, or a coordinate that is not finite.
         """
-        check_joints(_TITLE, joints, self.root + 1)
+        check_joints(self.title, joints, self.root + 1)
         if len(cloud.depth) != len(joints):
-            raise SagError(f"{_TITLE} was given {len(joints)} motions but {len(cloud.depth)} depth maps")
+            raise SagError(f"{self.title} was given {len(joints)} motions but {len(cloud.depth)} depth maps")
         if not (cloud.depth > 0).flatten(1).any(1).all():
-            raise SagError(f"{_TITLE} was given a depth map without any depth; leave windows without depth out")
+            raise SagError(f"{self.title} was given a depth map without any depth; leave windows without depth out")
         looked_at = joints[:, EVERY::EVERY, self.root]
-        self._add(room_behind(looked_at, cloud, self.reach)[:, None], real)
+        self._add_features(room_behind(looked_at, cloud, self.reach)[:, None], real)
 
     def _distance(self, real: Gaussian, generated: Gaussian) -> Float[Tensor, ""]:
         return real.distance(generated)

@@ -25,18 +25,18 @@ def test_is_nearer_the_truth(shift):
     assert all(figure < above for figure, above in zip(found, plain))
 
 
-def test_whole_sequences_say_what_windows_hide():
-    """Ten windows of a sequence are the same: more windows are no more data, and only more sequences are."""
-    draw, sequence = torch.manual_seed(0), torch.arange(60).repeat_interleave(10)
+def test_whole_groups_say_what_windows_hide():
+    """Ten windows of a group are the same: more windows are no more data, and only more groups are."""
+    draw, group = torch.manual_seed(0), torch.arange(60).repeat_interleave(10)
     found = []
     for _ in range(8):
         few = gaussian_features(draw, 60, 3), gaussian_features(draw, 60, 3)
-        sides = [picked(side, sequence) for side in few]
-        figures = motion_fid_of_features(*sides), motion_fid_infinity(*sides), motion_fid_infinity(*sides, sequence)
+        sides = [picked(side, group) for side in few]
+        figures = motion_fid_of_features(*sides), motion_fid_infinity(*sides), motion_fid_infinity(*sides, group)
         found.append([floats(figure)["average"] for figure in figures])
-    plain, by_window, by_sequence = torch.tensor(found).mean(0)
+    plain, by_window, by_group = torch.tensor(found).mean(0)
     assert by_window > 0.8 * plain
-    assert abs(by_sequence) < 0.4 * plain
+    assert abs(by_group) < 0.4 * plain
 
 
 def test_of_equal_sets_is_zero_and_is_repeatable():
@@ -64,7 +64,7 @@ def test_refuses():
         motion_fid_infinity(picked(real, slice(4)), real)
     with pytest.raises(SagError, match="at least 4 motions"):
         motion_fid_infinity(*[picked(real, slice(3))] * 2)
-    with pytest.raises(SagError, match="of 2 sequences"):
+    with pytest.raises(SagError, match="of 2 groups"):
         motion_fid_infinity(real, real, torch.zeros(8, dtype=torch.long))
-    with pytest.raises(SagError, match="sequence of each of 8 motions, not 2"):
+    with pytest.raises(SagError, match="group of each of 8 motions, not 2"):
         motion_fid_infinity(real, real, torch.arange(2))

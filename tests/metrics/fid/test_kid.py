@@ -57,11 +57,48 @@ def test_is_unbiased_and_may_be_negative(count, other):
     assert 0.2 < float((found < 0).double().mean()) < 0.9
 
 
+@given(count=st.integers(2, 40), seed=st.integers(0, 99), copies=st.integers(1, 3))
+@settings(max_examples=25, deadline=None)
+def test_equal_sets_of_equal_indices_are_at_zero_at_any_number(count, seed, copies):
+    a, index = normal(seed, copies * count), torch.arange(count).repeat(copies)
+    order = torch.randperm(len(a), generator=torch.manual_seed(seed))
+    assert float(kernel_distance(a, a[order], (index, index[order]))) == pytest.approx(0, abs=1e-12)
+
+
+@given(seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_leaves_out_pairs_of_one_index_and_no_others(seed):
+    a, b, index = normal(seed, 9), normal(seed + 1, 9) + 0.5, torch.arange(9)
+    apart = (index, index + 9)
+    assert float(kernel_distance(a, b, apart)) == pytest.approx(float(poly_mmd(a, b)), rel=1e-9, abs=1e-12)
+    kernel = (a @ b.T / 6 + 1) ** 3
+    of_pairs = kernel.diagonal().sum()
+    shift = 2 * (kernel.mean() - (kernel.sum() - of_pairs) / 72)
+    matched = kernel_distance(a, b, (index, index))
+    assert float(matched) == pytest.approx(float(poly_mmd(a, b) + shift), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.4])
+def test_sides_that_continue_the_same_windows_are_judged_without_bias(shift):
+    """Both motions of a window share most of what they are: comparing them with each other would lower the mean."""
+    found, plain = [], []
+    for seed in range(300):
+        shared, index = normal(seed, 9), torch.arange(9)
+        a, b = (shared + 0.5 * normal(seed + offset, 9) for offset in (1000, 2000))
+        found.append(kernel_distance(a, b + shift, (index, index)))
+        plain.append(kernel_distance(a, b + shift))
+    large = [normal(seed, 2000) * 1.25**0.5 for seed in (1, 2)]
+    truth = float(kernel_distance(large[0], large[1] + shift))
+    error = float(torch.stack(found).std()) / len(found) ** 0.5
+    assert abs(float(torch.stack(found).mean()) - truth) < 3 * error + 0.01
+    assert float(torch.stack(plain).mean()) < truth - 5 * error
+
+
 def test_takes_one_clip_of_each_motion_in_turn():
     features = {key: torch.arange(12.0).view(4, 3, 1).expand(4, 3, 2) for key in KEYS}
     shifted = {key: found + 1 for key, found in features.items()}
     chosen = torch.tensor([0.0, 4, 8, 9])[:, None].expand(4, 2)
-    expected = float(kernel_distance(chosen + 1, chosen))
+    expected = float(kernel_distance(chosen + 1, chosen, (torch.arange(4), torch.arange(4))))
     assert floats(motion_kid(shifted, features))["mid"] == pytest.approx(expected)
 
 
@@ -73,6 +110,19 @@ def test_reacts_to_what_differs_and_not_to_numbers(sides):
         gaussian_features(draw, 100, shift=1),
     )
     assert abs(floats(motion_kid(few, many))["average"]) < 0.1 * floats(motion_kid(moved, many))["average"]
+
+
+@pytest.mark.parametrize("most", [2000, 20])
+@pytest.mark.parametrize("count", [2, 5, 48])
+def test_true_motions_against_themselves_are_at_zero(encoders, sides, count, most):
+    real = picked(sides[0], slice(count))
+    metric = MotionKID(encoders, ROOT, most=most)
+    order = torch.randperm(count, generator=torch.manual_seed(0))
+    metric.update_features(real, real=True, index=torch.arange(count) + 7)
+    metric.update_features(picked(real, order), real=False, index=order + 7)
+    zero = dict.fromkeys(("short", "mid", "long", "average"), pytest.approx(0, abs=1e-12))
+    assert floats(metric.compute()) == zero
+    assert floats(motion_kid(real, real, most=most)) == zero
 
 
 @pytest.mark.parametrize("most", [2000, 20])
@@ -141,3 +191,6 @@ def test_refuses(encoders, sides):
         MotionKID(encoders, ROOT, most=1)
     with pytest.raises(SagError, match="at least 2 motions of each side, it was given 1"):
         motion_kid(picked(sides[1], slice(1)), sides[0])
+    metric.update_features(picked(sides[1], slice(3)), real=False, index=torch.full((3,), 5))
+    with pytest.raises(SagError, match="a side has one index only"):
+        metric.compute()

@@ -111,7 +111,7 @@ def test_survives_pickle_clone_and_reset(motions):
     expected = metric.compute()
     assert pickle.loads(pickle.dumps(metric)).compute() == expected == metric.clone().compute()
     metric.reset()
-    assert metric.real_count == 0
+    assert metric.real_motions == 0
 
 
 def test_forward_says_nothing_of_a_batch_with_one_side(motions):
@@ -149,6 +149,9 @@ def test_refuses_to_compare_with_nothing(motions):
     metric = VelocityFrechet(FPS, joints=19)
     metric.update(motions, real=True)
     with pytest.raises(SagError, match="2 generated motions"):
+        metric.compute()
+    metric.update(motions[:1], real=False)
+    with pytest.raises(SagError, match="2 generated motions, it was given 1"):
         metric.compute()
     with pytest.raises(SagError, match="fps"):
         VelocityFrechet(0, joints=19)

@@ -57,6 +57,14 @@ def test_a_body_in_the_air_has_no_contact_and_no_skate_there(lift, frames):
     assert contact == pytest.approx(1 - frames / 64) and skate == 0
 
 
+def test_feet_that_never_touch_have_no_skate_to_be_proud_of():
+    world = standing()
+    world[..., 2] += 0.5
+    world[..., 0] += 0.1 * torch.arange(65)[:, None]
+    skate, contact = figures(world)
+    assert skate != skate and contact == 0
+
+
 def test_a_sunk_foot_slides_no_less():
     world = standing()
     world[..., 0] += 0.1 * torch.arange(65)[:, None]
@@ -120,10 +128,10 @@ def test_speed_and_contact_of_each_foot():
 
 @pytest.mark.parametrize("kind", [FootSkate, FootContact])
 def test_refuses(kind, monkeypatch):
-    with pytest.raises(SagError, match=f"fps of {kind.__name__} must be above 0, not -1"):
+    with pytest.raises(SagError, match=f"fps of {kind.title} must be above 0, not -1"):
         kind(FEET, fps=-1)
     metric = kind(FEET, FPS)
-    with pytest.raises(SagError, match=f"{kind.__name__} was asked for before any motion over a known floor"):
+    with pytest.raises(SagError, match=f"{kind.title} was asked for before any motion over a known floor"):
         metric.compute()
     with pytest.raises(SagError, match="at least 19 joints, not 65 frames of 16"):
         metric.update(standing()[:, :, :16], FLAT)

@@ -127,3 +127,10 @@ def test_batches_types_and_pictures_of_any_size():
 def test_refuses():
     with pytest.raises(SagError, match="a depth cloud for each of 2 motions, not 1"):
         floor_under_feet(walk(0, 1).expand(2, 65, 2, 3), [0, 1], seen(torch.zeros_like), LOOKING_DOWN.expand(2, 4, 4))
+
+
+def test_a_run_in_low_precision_changes_no_height():
+    world, cloud = walk(-1.5, 1.5), seen(torch.zeros_like)
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        found = floor_of(world, cloud)
+    assert torch.equal(found, floor_of(world, cloud)) and floor_of(world.bfloat16(), cloud).dtype == torch.float32

@@ -1,4 +1,4 @@
-"""Lines of a score sheet: one metric each, and what it is fed of the motions that are judged."""
+"""Measures: what is on the score sheet, and what each metric is fed of the motions that are judged."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ Feed = Callable[[Any, Judged], None]
 
 
 @dataclass(frozen=True)
-class Line:
-    """A metric on the sheet.
+class Measure:
+    """A metric on the score sheet.
 
     Attributes:
         name: of its figures.
@@ -51,19 +51,29 @@ class Line:
     feed: Feed
 
 
-def lines_of(split: str, data: MotionDataModule, encoders: ClipEncoders | None, evaluation: Evaluation) -> list[Line]:
-    """Every line that can be measured on a split: without encoders, depth, known geometry or other rooms, fewer."""
-    lines = motion_lines(data)
+def measures_of(
+    split: str, data: MotionDataModule, encoders: ClipEncoders | None, evaluation: Evaluation, drawn: bool
+) -> list[Measure]:
+    """All that can be measured on a split: without encoders, depth, known geometry or other rooms, less.
+
+    Args:
+        split: "val" or "test"; only test windows have depth clouds.
+        data: where the windows come from.
+        encoders: of Motion FID, if there are any.
+        evaluation: the protocol.
+        drawn: whether motions are drawn, so that they can differ from each other and from the truth.
+    """
+    measures = motion_measures(data)
     if encoders is not None:
-        lines = encoded_lines(data, encoders) + lines
-    if evaluation.samples > 1:
-        lines += sample_lines(data, encoders)
+        measures = encoded_measures(data, encoders) + measures
+    if drawn:
+        measures += sample_measures(data, encoders, evaluation.samples)
     if split == "test":
-        lines += scene_lines(data, evaluation)
-    return lines
+        measures += scene_measures(data, evaluation)
+    return measures
 
 
-def encoded_lines(data: MotionDataModule, encoders: ClipEncoders) -> list[Line]:
+def encoded_measures(data: MotionDataModule, encoders: ClipEncoders) -> list[Measure]:
     """What compares features of clips."""
     root = data.skeleton.root_index
 
@@ -75,12 +85,12 @@ def encoded_lines(data: MotionDataModule, encoders: ClipEncoders) -> list[Line]:
         compare(metric, judged, index=judged.batch.index)
 
     return [
-        Line("motion_fid", MotionFID(encoders, root), compare),
-        Line("motion_kid", MotionKID(encoders, root), compare_by_index),
+        Measure("motion_fid", MotionFID(encoders, root), compare),
+        Measure("motion_kid", MotionKID(encoders, root), compare_by_index),
     ]
 
 
-def motion_lines(data: MotionDataModule) -> list[Line]:
+def motion_measures(data: MotionDataModule) -> list[Measure]:
     """What needs motions alone."""
 
     def compare(metric: Any, judged: Judged) -> None:
@@ -92,27 +102,29 @@ def motion_lines(data: MotionDataModule) -> list[Line]:
 
     fps, skeleton = data.fps, data.skeleton
     return [
-        Line("velocity_frechet", VelocityFrechet(fps, len(skeleton.joints)), compare),
-        Line("bone_drift", BoneDrift(skeleton.bone_index), single),
-        Line("acceleration", Acceleration(fps), single),
-        Line("jerk", Jerk(fps), single),
-        Line("best_of", BestOfK(skeleton.root_index, fps), lambda m, judged: m.update(judged.samples, judged.truth)),
+        Measure("velocity_frechet", VelocityFrechet(fps, len(skeleton.joints)), compare),
+        Measure("bone_drift", BoneDrift(skeleton.bone_index), single),
+        Measure("acceleration", Acceleration(fps), single),
+        Measure("jerk", Jerk(fps), single),
     ]
 
 
-def sample_lines(data: MotionDataModule, encoders: ClipEncoders | None) -> list[Line]:
-    """What needs several motions of each window."""
+def sample_measures(data: MotionDataModule, encoders: ClipEncoders | None, samples: int) -> list[Measure]:
+    """What holds the motions of a window against each other and against the true one."""
     root = data.skeleton.root_index
-    lines = [
-        Line("diversity/pairwise", AveragePairwiseDistance(), _samples),
-        Line("diversity/deviation", SampleDeviation(root), _samples),
+    measures = [Measure("best_of", BestOfK(root, data.fps), _compare_samples)]
+    if samples < 2:
+        return measures
+    measures += [
+        Measure("diversity/pairwise", AveragePairwiseDistance(), _samples),
+        Measure("diversity/deviation", SampleDeviation(root), _samples),
     ]
     if encoders is not None:
-        lines.append(Line("diversity/multimodality", Multimodality(encoders, root), _samples))
-    return lines
+        measures.append(Measure("diversity/multimodality", Multimodality(encoders, root), _samples))
+    return measures
 
 
-def scene_lines(data: MotionDataModule, evaluation: Evaluation) -> list[Line]:
+def scene_measures(data: MotionDataModule, evaluation: Evaluation) -> list[Measure]:
     """What needs the depth cloud, the floor or the known geometry of the scene."""
     rows = data.cache.rows("test")
     feet, bones = data.skeleton.index("right_ankle", "left_ankle"), data.skeleton.bone_index
@@ -120,27 +132,33 @@ def scene_lines(data: MotionDataModule, evaluation: Evaluation) -> list[Line]:
         "frames": max(1, min(GENERATED, round(evaluation.collision_frames / max(1, len(rows))))),
         "unit": evaluation.collision_unit,
         "shape": evaluation.collision_shape,
+        "seed": evaluation.seed,
     }
+    ankle = {"ankle_height": data.ankle_height}
 
     def on_floor(metric: Any, judged: Judged) -> None:
         metric.update(judged.world, judged.floor)
 
-    lines = [
-        Line("non_collision", NonCollisionRatio(bones, **protocol), _collide),
-        Line("scene_frechet", SceneFrechet(data.skeleton.root_index), _compare_in_scene),
-        Line("foot_skate", FootSkate(feet, data.fps), on_floor),
-        Line("foot_contact", FootContact(feet, data.fps), on_floor),
-        Line("floor", FloorError(feet), on_floor),
+    measures = [
+        Measure("non_collision", NonCollisionRatio(bones, **protocol), _collide),
+        Measure("scene_frechet", SceneFrechet(data.skeleton.root_index), _compare_in_scene),
+        Measure("foot_skate", FootSkate(feet, data.fps, **ankle), on_floor),
+        Measure("foot_contact", FootContact(feet, data.fps, **ankle), on_floor),
+        Measure("floor", FloorError(feet, **ankle), on_floor),
     ]
     if len(set(data.cache.scene[rows].tolist())) > 1:
-        lines.append(Line("collisions", SceneAwareness(bones, **protocol), _collide_elsewhere))
+        measures.append(Measure("collisions", SceneAwareness(bones, **protocol), _collide_elsewhere))
     if len(rows) and data.geometry(int(data.cache.scene[rows[0]])) is not None:
-        lines.append(Line("penetration", Penetration(bones, data.skeleton.root_index, every=4), _penetrate))
-    return lines
+        measures.append(Measure("penetration", Penetration(bones, data.skeleton.root_index, every=4), _penetrate))
+    return measures
 
 
 def _samples(metric: Any, judged: Judged) -> None:
     metric.update(judged.samples)
+
+
+def _compare_samples(metric: Any, judged: Judged) -> None:
+    metric.update(judged.samples, judged.truth)
 
 
 def _collide(metric: Any, judged: Judged) -> None:
