@@ -11,7 +11,7 @@ from typing import Any
 
 from sag.data.known import recognised
 from sag.data.options import PREFIX, module_from
-from sag.data.scratch import SUFFIX
+from sag.data.recordings.scratch import SUFFIX
 
 PAPER_ROWS = 288
 """Rows of the paper's pictures, for which its preset is meant."""

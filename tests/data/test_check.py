@@ -17,9 +17,9 @@ from sag.data.check.command import main
 from sag.data.check.recordings import LIMBS, WAY, examine
 from sag.data.check.report import Line, Report, Section, graded, plain, show
 from sag.data.command import main as data
-from sag.data.gta_im.filters import Limits
 from sag.data.gta_im.recording import JOINTS
 from sag.data.known import recognised
+from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 
 CENTIMETRES = np.where(np.arange(16).reshape(4, 4) // 4 == 3, 100, 1) - np.diag([0, 0, 0, 99])

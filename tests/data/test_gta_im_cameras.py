@@ -8,8 +8,9 @@ from gta_im_files import COLUMNS, ROWS, Sequence, camera, intrinsics, module
 from scipy.spatial.transform import Rotation
 
 from sag.data.gta_im.cameras import camera_cuts, camera_zooms
-from sag.data.gta_im.filters import Limits, events
+from sag.data.gta_im.filters import events
 from sag.data.gta_im.recording import Recording
+from sag.data.recordings.filters import Limits
 
 
 def still(frames: int = 20) -> np.ndarray:

@@ -9,10 +9,11 @@ import pytest
 from gta_im_files import Sequence, module
 from scipy.spatial.transform import Rotation
 
-from sag.data.gta_im import filters as why
 from sag.data.gta_im.bones import BONES, FORWARD
-from sag.data.gta_im.filters import Limits, usable_starts
+from sag.data.gta_im.filters import usable_starts
 from sag.data.gta_im.recording import Recording
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 
 OTHERS = [f"IK_{number}" for number in range(77)]

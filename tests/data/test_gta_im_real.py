@@ -6,13 +6,14 @@ from scipy.spatial.transform import Rotation
 
 from sag.data.check.recordings import examine
 from sag.data.command import main
-from sag.data.gta_im import filters as why
 from sag.data.gta_im.bones import FORWARD, cameras_of
-from sag.data.gta_im.filters import Limits, pixels_of, root_jumps
-from sag.data.gta_im.plan import planned
-from sag.data.gta_im.recording import Recording
-from sag.data.gta_im.splits import RoomSplit
+from sag.data.gta_im.reader import GTA_IM
+from sag.data.gta_im.recording import ROOT, Recording
 from sag.data.gta_im.views import person_id
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits, pixels_of, root_jumps
+from sag.data.recordings.plan import planned
+from sag.data.recordings.splits import RoomSplit
 
 PAPER = RoomSplit((1, 2, 3, 6, 10, 11), (10, 11, 13), 0.5, 0.05)
 
@@ -69,7 +70,7 @@ def test_the_check_tells_what_is_known_of_it(original, tmp_path, capsys):
 
 @real
 def test_the_known_teleports_are_found(original):
-    assert root_jumps(original, Limits()) == [544, 581, 826, 923]
+    assert root_jumps(original.joints[:, ROOT], Limits()) == [544, 581, 826, 923]
 
 
 @real
@@ -86,6 +87,6 @@ def test_the_persons_mask_holds_most_visible_joints(original):
 
 @real
 def test_the_real_recording_has_a_window_for_each_picture(original):
-    plan = planned([original.folder], 5, Limits(), PAPER)
+    plan = planned([original.folder], 5, Limits(), PAPER, GTA_IM)
     assert [w.start for w in plan.windows if w.split == "test"] == list(range(638, 659))
     assert plan.dropped == {why.NO_PICTURE: 870} and plan.size == (1080, 1920)

@@ -10,8 +10,8 @@ from gta_im_files import Sequence
 
 from sag.data.command import main
 from sag.data.gta_im import GtaImDataModule
-from sag.data.gta_im.reader import GTA_IM
-from sag.data.scratch import Scratch, scratch_folder
+from sag.data.recordings.reader import GTA_IM
+from sag.data.recordings.scratch import Scratch, scratch_folder
 from sag.errors import SagError
 
 OPTIONS = ["--image_size=[54,96]", "--data.init_args.stride", "1"]
@@ -56,7 +56,7 @@ def test_training_finds_the_cache(root, tmp_path, capsys, monkeypatch):
     said = capsys.readouterr().out
     (folder,) = (tmp_path / "out").iterdir()
     assert f"{folder}: " in said
-    monkeypatch.setattr("sag.data.gta_im.convert", lambda *_: pytest.fail("converted again"))
+    monkeypatch.setattr("sag.data.recordings.module.convert", lambda *_: pytest.fail("converted again"))
     assert trained(root, tmp_path / "out").build().folder == folder
     assert main(["prepare", str(root), "--out", str(tmp_path / "out"), *OPTIONS]) == 0
 

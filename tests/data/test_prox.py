@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from prox_files import COLUMNS, ROWS, SIZE, Take, module, write_root
 
-from sag.data.gta_im import filters as why
-from sag.data.gta_im.filters import Limits
 from sag.data.prox import ProxDataModule
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 from sag.types import FRAMES
 
@@ -80,7 +80,7 @@ def test_the_kinects_skeletons_are_used_aloud(built, capsys):
 
 
 def test_a_second_build_reads_the_first(built, monkeypatch):
-    monkeypatch.setattr("sag.data.prox.convert", lambda *_: pytest.fail("converted again"))
+    monkeypatch.setattr("sag.data.recordings.module.convert", lambda *_: pytest.fail("converted again"))
     assert module(built.root, built.cache_dir).build().fingerprint == built.cache.fingerprint
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from prox_files import COLUMNS, ROWS, StandIn, Take, body, fit, module, write_root
 
-from sag.data.gta_im.filters import Limits
 from sag.data.prox import fits
 from sag.data.prox.filters import NO_BODY, usable_starts
 from sag.data.prox.fits import SMPLX_JOINTS, Bodies, read_fit
 from sag.data.prox.recording import Recording
 from sag.data.prox.root import Root
+from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from prox_files import CAM2WORLD, COLUMNS, ROWS, Take, skeleton, write_root
 
-from sag.data.gta_im import filters as why
-from sag.data.gta_im.filters import Limits
 from sag.data.prox.filters import PAUSE, usable_starts
 from sag.data.prox.kinect import JOINTS, SDK_JOINTS, read_skeleton
 from sag.data.prox.names import FrameName, RecordingName
 from sag.data.prox.recording import Recording
 from sag.data.prox.root import Root
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 

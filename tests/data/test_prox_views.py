@@ -19,11 +19,11 @@ from prox_files import (
     write_root,
 )
 
-from sag.data.gta_im.filters import HIDDEN, UNREADABLE
 from sag.data.prox.calibration import Sensor
 from sag.data.prox.person import body_depth, with_person
 from sag.data.prox.scan import scan_depth
 from sag.data.prox.sensor import aligned
+from sag.data.recordings.filters import HIDDEN, UNREADABLE
 from sag.geometry.camera import project, to_world
 from sag.skeleton import PROX_16
 

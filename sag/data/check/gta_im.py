@@ -13,9 +13,8 @@ from sag.data.check.recordings import Findings, examine
 from sag.data.check.report import Line, Report, Section, by_recording
 from sag.data.check.scale import scale_lines
 from sag.data.check.windows import Inspection, windows_section
-from sag.data.gta_im import RATES, GtaImDataModule
 from sag.data.gta_im.files import ARCHIVE
-from sag.data.gta_im.plan import planned
+from sag.data.gta_im.module import RATES, GtaImDataModule
 from sag.data.gta_im.recording import recordings_in
 
 
@@ -38,7 +37,7 @@ def inspect(module: GtaImDataModule, pictures: int | None) -> Inspection:
     ]
     readable = [found for found in everything if found.recording is not None]
     mine = [found.folder for found in readable if found.folder.parent == used]
-    plan = planned(mine, module.stride, module.form.limits, module.rooms) if mine else None
+    plan = module.plan(mine) if mine else None
     broken = sum(found.recording is None and found.folder.parent == used for found in everything)
     sections = (
         Section("What is there", (*_presence(module.root, everything), *_files(everything))),

@@ -14,12 +14,11 @@ from rich.progress import track
 from sag.data.check.bodies import Bones, bones_line, bones_of
 from sag.data.check.report import Line, Report, Section, Verdict, by_recording
 from sag.data.check.windows import Inspection, windows_section
-from sag.data.gta_im.filters import root_jumps_of
-from sag.data.gta_im.plan import planned
 from sag.data.pictures import read_colour, refuse_cut_off
 from sag.data.prox import ProxDataModule
 from sag.data.prox.names import RecordingName
 from sag.data.prox.recording import Recording, stems
+from sag.data.recordings.filters import root_jumps
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 
@@ -64,8 +63,8 @@ def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
     folders, say = module.files.recordings, Console(stderr=True)
     everything = [_examined(module, f, pictures) for f in track(folders, "checking", transient=True, console=say)]
     readable = [found for found in everything if found.recording is not None]
-    usable, limits = [found.folder for found in readable], module.form.limits
-    plan = planned(usable, module.stride, limits, module.split, module.reader) if usable else None
+    usable = [found.folder for found in readable]
+    plan = module.plan(usable) if usable else None
     known = [(found.folder.name, found.bones) for found in readable if found.bones is not None]
     sections = (
         Section("What is there", (*_presence(module, readable), *_kinds(folders), *_files(everything))),
@@ -83,7 +82,7 @@ def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Fin
         found.broken.append(str(error))
         return found
     found.bones = bones_of(recording.joints, PROX_16.bone_index, WAY)
-    found.jumps = root_jumps_of(recording.joints[:, PROX_16.root_index], module.form.limits)
+    found.jumps = root_jumps(recording.joints[:, PROX_16.root_index], module.form.limits)
     count = len(recording) if pictures is None else min(pictures, len(recording))
     for frame in np.linspace(0, len(recording) - 1, count).round().astype(int).tolist():
         path = recording.path("Color", frame, ".jpg")

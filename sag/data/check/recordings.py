@@ -12,9 +12,10 @@ from sag.data.archives import names_in, read_archive
 from sag.data.check.bodies import Bones, bones_of
 from sag.data.gta_im.cameras import Cut, camera_cuts, camera_zooms
 from sag.data.gta_im.files import ARCHIVE
-from sag.data.gta_im.filters import Limits, inside_picture, pixels_of, root_jumps
-from sag.data.gta_im.recording import JOINTS, Picture, Recording
+from sag.data.gta_im.recording import JOINTS, ROOT, Recording
 from sag.data.gta_im.views import BEFORE_JOINT, BEHIND_JOINT, person_id
+from sag.data.recordings.filters import Limits, inside_picture, pixels_of, root_jumps
+from sag.data.recordings.views import Picture
 from sag.errors import SagError
 
 LIMBS = np.array(
@@ -98,7 +99,7 @@ def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
         return found
     found.incomplete = incomplete_frames(folder)
     found.bones = bones_of(recording.joints, LIMBS, WAY)
-    found.jumps = root_jumps(recording, limits)
+    found.jumps = root_jumps(recording.joints[:, ROOT], limits)
     found.cuts = camera_cuts(recording.world2cam, recording.intrinsics)
     found.zooms = camera_zooms(recording.intrinsics, found.cuts)
     for frame in _spread(sorted(recording.pictured), pictures):

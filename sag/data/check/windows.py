@@ -11,8 +11,8 @@ import numpy as np
 
 from sag.data.cache import SPLITS
 from sag.data.check.report import Line, Report, Section, plain
-from sag.data.gta_im.filters import BROKEN
-from sag.data.gta_im.plan import Plan, Window
+from sag.data.recordings.filters import BROKEN
+from sag.data.recordings.plan import Plan, Window
 from sag.data.sheet import Tile, draw_sheet, projected
 from sag.errors import SagError
 

@@ -8,13 +8,14 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, Int
 
 from sag.data.gta_im.bones import cameras_of, joints_of
 from sag.data.gta_im.cameras import check_cameras, check_places
 from sag.data.gta_im.files import ARCHIVE, PICKLE, REALTIME, clips_of, read_arrays, read_frames, read_room
 from sag.data.paths import contained
 from sag.data.pictures import picture_size, read_24_bit, read_colour, refuse_cut_off
+from sag.data.recordings.views import Picture
 from sag.errors import SagError
 from sag.skeleton import Skeleton
 
@@ -26,6 +27,8 @@ JOINTS = (
     "right_hip", "right_knee", "right_ankle", "left_hip", "left_knee", "left_ankle",
 )  # fmt: skip
 """The 21 joints in the order of the files, by the names that `sag.skeleton` gives them."""
+
+ROOT = JOINTS.index("root")
 
 CHEST = "spine0"
 """The top of the spine, which other skeletons call the chest."""
@@ -128,23 +131,6 @@ class Recording:
 
     def _file(self, frame: int, suffix: str) -> Path:
         return self.folder / f"{frame:05d}{suffix}"
-
-
-@dataclass(frozen=True)
-class Picture:
-    """What the camera saw in one frame, at native resolution.
-
-    Attributes:
-        colour: colours.
-        depth: planar z, metres, 0 where it is not known.
-        ids: 24-bit numbers of instances, 0 is the background.
-        intrinsics: camera matrix in pixels of this picture.
-    """
-
-    colour: UInt8[np.ndarray, "h w 3"]
-    depth: Float[np.ndarray, "h w"]
-    ids: Int[np.ndarray, "h w"]
-    intrinsics: Float[np.ndarray, "3 3"]
 
 
 def planar_depth(codes: Int[np.ndarray, "h w"], near: float, far: float) -> Float[np.ndarray, "h w"]:

@@ -7,7 +7,8 @@ from collections import Counter
 import numpy as np
 from jaxtyping import Bool
 
-from sag.data.gta_im.filters import (
+from sag.data.prox.recording import Recording
+from sag.data.recordings.filters import (
     JOINT_BEHIND,
     NO_PICTURE,
     OTHER_SIZE,
@@ -17,9 +18,8 @@ from sag.data.gta_im.filters import (
     Limits,
     inside_picture,
     pixels_of,
-    root_jumps_of,
+    root_jumps,
 )
-from sag.data.prox.recording import Recording
 from sag.skeleton import PROX_16
 from sag.types import FRAMES
 
@@ -83,5 +83,5 @@ def _faulty_steps(recording: Recording, limits: Limits) -> dict[str, Bool[np.nda
     """For each reason the frames after which a window must not go on."""
     pauses = np.diff(recording.seconds) > LONGEST_PAUSE
     jumps = np.zeros_like(pauses)
-    jumps[root_jumps_of(recording.joints[:, PROX_16.root_index], limits)] = True
+    jumps[root_jumps(recording.joints[:, PROX_16.root_index], limits)] = True
     return {PAUSE: pauses, ROOT_JUMPS: jumps}

@@ -10,7 +10,7 @@ import trimesh
 from jaxtyping import Float
 
 from sag.data.paths import regular
-from sag.data.rooms.rays import RayScene
+from sag.data.rays import RayScene
 from sag.errors import SagError
 
 

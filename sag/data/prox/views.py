@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
-from sag.data.gta_im.recording import Picture
-from sag.data.gta_im.views import WindowFormat, centred_picture, depth_cloud
 from sag.data.pictures import read_colour, refuse_cut_off
 from sag.data.prox.person import body_depth, mask_of, with_person
 from sag.data.prox.recording import Recording
 from sag.data.prox.sensor import Aligned, aligned, read_depth
+from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 from sag.types import FRAMES

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
-from sag.data.gta_im.filters import BROKEN, OTHER_ROOM, Limits
-from sag.data.gta_im.reader import GTA_IM, Reader
-from sag.data.gta_im.splits import Room, RoomSplit, Split
+from sag.data.recordings.filters import BROKEN, OTHER_ROOM, Limits
+from sag.data.recordings.reader import Reader
+from sag.data.recordings.splits import Room, RoomSplit, Split
 from sag.errors import SagError
 
 VAL_FROM_TRAINING = 16
@@ -62,7 +62,7 @@ def planned(
     stride: int,
     limits: Limits,
     rule: RoomSplit,
-    reader: Reader = GTA_IM,
+    reader: Reader,
     skip_broken: bool = False,
 ) -> Plan:
     """Finds the usable windows and gives each its split.

@@ -16,12 +16,12 @@ import numpy as np
 from rich.progress import track
 
 from sag.data.cache import SPLITS
-from sag.data.gta_im.filters import CUT_OFF, HIDDEN, UNREADABLE
-from sag.data.gta_im.plan import Plan, Window
-from sag.data.gta_im.reader import GTA_IM, Reader
-from sag.data.gta_im.views import WindowFormat
 from sag.data.pictures import CutOffError
-from sag.data.scratch import Scratch
+from sag.data.recordings.filters import CUT_OFF, HIDDEN, UNREADABLE
+from sag.data.recordings.plan import Plan, Window
+from sag.data.recordings.reader import Reader
+from sag.data.recordings.scratch import Scratch
+from sag.data.recordings.views import WindowFormat
 from sag.errors import SagError
 from sag.types import FRAMES
 
@@ -48,7 +48,7 @@ class Converted:
     notes: tuple[str, ...]
 
 
-def convert(plan: Plan, form: WindowFormat, scratch: Path, reader: Reader = GTA_IM) -> Converted:
+def convert(plan: Plan, form: WindowFormat, scratch: Path, reader: Reader) -> Converted:
     """Reads every planned window and puts it into arrays on disk, going on where an earlier try was interrupted.
 
     Args:
