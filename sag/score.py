@@ -39,8 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Scores a file of motions beside the ground truth, prints both and writes them to a file."""
     options, data = _parsed(sys.argv[1:] if arguments is None else arguments)
     logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
-    motions = Recorded(options.file, data.skeleton.name, options.evaluation)
-    truth = GroundTruth(data.skeleton.name, motions.evaluation)
+    motions = Recorded(options.file, data.skeleton.reference, options.evaluation)
+    truth = GroundTruth(data.skeleton.reference, motions.evaluation)
     truth.needs_encoders = False
     figures = _tested(motions, data)
     truth.windows = motions.windows

@@ -79,6 +79,18 @@ def read_grey(path: Path) -> Int[np.ndarray, "h w"]:
             raise _damaged(path, error) from error
 
 
+def read_16_bit(path: Path) -> Int[np.ndarray, "h w"]:
+    """Values of a PNG of one channel of 16 bits.
+
+    Raises:
+        SagError: as `read_colour`, but for the colours; or it has other pixels.
+    """
+    with _opened(path) as picture:
+        if not picture.mode.startswith("I"):
+            raise SagError(f"{path} holds {picture.mode} pixels, not one channel of 16 bits; write it as uint16")
+    return read_grey(path)
+
+
 def refuse_cut_off(colour: UInt8[np.ndarray, "h w 3"], path: Path) -> None:
     """Refuses a picture whose lower end is one single colour, as where nothing was left to be written.
 

@@ -14,6 +14,7 @@ from torch import Generator, Tensor
 from sag.data.base import MotionDataModule
 from sag.data.cache import sha256_of
 from sag.errors import SagError
+from sag.methods.weights import check_shapes, check_skeleton
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
 from sag.scoring import Evaluation, Groups, Scores
@@ -77,17 +78,19 @@ class Method(pl.LightningModule):
         if stage == "fit":
             self.prepare(self.data.training_motion)
 
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Notes which skeleton the weights are for."""
+        checkpoint["skeleton"] = self.skeleton.description
+
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Refuses weights of another method, other components or other sizes, in one sentence."""
-        found, own = checkpoint["state_dict"], self.state_dict()
-        differing = [k for k in sorted({*found, *own}) if _shape(found, k) != _shape(own, k)]
-        if differing:
-            key = differing[0]
-            raise SagError(
-                f"the checkpoint does not fit this {type(self).__name__}: {key} is {_shape(found, key)} there and "
-                f"{_shape(own, key)} here ({len(differing)} such); use the configs that it was trained with, "
-                "which lie in its run's folder"
-            )
+        """Refuses weights for another skeleton, of another method, other components or other sizes, in one sentence."""
+        check_skeleton("the checkpoint", checkpoint, self.skeleton)
+        check_shapes(
+            f"the checkpoint does not fit this {type(self).__name__}",
+            checkpoint["state_dict"],
+            self.state_dict(),
+            "use the configs that it was trained with, which lie in its run's folder",
+        )
 
     def _require_trained(self) -> None:
         if not self.trained and not self._only_wiring:
@@ -196,7 +199,3 @@ class Method(pl.LightningModule):
     def predict_step(self, batch: Batch, batch_idx: int) -> dict[str, Tensor]:
         """Motions for each window: `joints` (b, k, 65, j, 3) in metres, camera frame of frame 0, and `index`."""
         return {"joints": self._samples(batch, self.evaluation.samples), "index": batch.index}
-
-
-def _shape(state: dict[str, Tensor], key: str) -> str:
-    return str(list(state[key].shape)) if key in state else "missing"

@@ -1,7 +1,6 @@
 """Damaged and hostile files are refused in one line that names them; nothing is run, and memory stays small."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import hostile_files as bad
@@ -11,12 +10,10 @@ import pytest
 from gta_im_files import Sequence, module
 from hostile_cases import ARCHIVES, CASES, PICKLES, ROOMS
 from hostile_files import COLOUR, DEPTH, IDS, NPZ, PICKLE, ROOM
+from hostile_memory import little_memory
 
 from sag.data.gta_im.recording import Recording
 from sag.errors import SagError
-
-LEAST_MEMORY = 48 << 20
-"""Bytes that refusing a file may take besides what the process has."""
 
 
 @pytest.fixture(scope="session")
@@ -35,22 +32,10 @@ def damaged(whole: Path, tmp_path: Path, damage: bad.Damage, name: str = "rec") 
     return tmp_path / "root"
 
 
-def memory(name: str) -> int:
-    """A figure of this process, bytes."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return next(1024 * int(line.split()[1]) for line in lines if line.startswith(f"{name}:"))
-
-
 def refusal(root: Path, tmp_path: Path) -> str:
-    """The error of reading a data set, and how much memory it took at most."""
-    linux = sys.platform == "linux"
-    if linux:
-        Path("/proc/self/clear_refs").write_text("5")  # the peak is that of now
-        before = memory("VmRSS")
-    with pytest.raises(SagError) as error:
+    """The error of reading a data set, which takes little memory."""
+    with little_memory(), pytest.raises(SagError) as error:
         module(root, tmp_path / "cache").build()
-    if linux:
-        assert memory("VmHWM") - before < LEAST_MEMORY
     return str(error.value)
 
 
@@ -82,10 +67,8 @@ def test_a_recording_of_64_frames_is_refused(tmp_path):
 
 def test_what_is_not_asked_for_in_an_archive_is_not_unpacked(whole, tmp_path):
     root = damaged(whole, tmp_path, bad.member("junk", bytes(64 << 20)))
-    Path("/proc/self/clear_refs").write_text("5")
-    before = memory("VmRSS")
-    assert len(Recording.read(root / "FPS-30" / "rec")) == 65
-    assert memory("VmHWM") - before < LEAST_MEMORY
+    with little_memory():
+        assert len(Recording.read(root / "FPS-30" / "rec")) == 65
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from prox_files import (
 )
 
 from sag.data.prox.calibration import Sensor
-from sag.data.prox.person import body_depth, with_person
+from sag.data.prox.person import with_person
 from sag.data.prox.scan import scan_depth
 from sag.data.prox.sensor import aligned
 from sag.data.recordings.filters import HIDDEN, UNREADABLE
@@ -133,7 +133,7 @@ def test_past_the_scan_depth_is_not_known(tmp_path):
 
 def test_capsules_lie_before_the_joints(sensor):
     joints = Take().joints[0]
-    depth = body_depth(joints, sensor.colour.intrinsics, (ROWS, COLUMNS))
+    depth = body_depth(joints, PROX_16, sensor.colour.intrinsics, (ROWS, COLUMNS))
     pixels = (joints @ sensor.colour.intrinsics.T)[:, :2] / joints[:, 2:]
     column, row = pixels.astype(int).T
     before = joints[:, 2] - depth[row, column]
@@ -142,7 +142,7 @@ def test_capsules_lie_before_the_joints(sensor):
 
 
 def test_a_body_beside_the_picture_is_not_seen(sensor):
-    depth = body_depth(Take().joints[0] + [9, 0, 0], sensor.colour.intrinsics, (ROWS, COLUMNS))
+    depth = body_depth(Take().joints[0] + [9, 0, 0], PROX_16, sensor.colour.intrinsics, (ROWS, COLUMNS))
     assert np.isinf(depth).all()
 
 

@@ -85,7 +85,9 @@ def test_a_test_needs_no_pretrained_file(toy, checkpoint, tmp_path: Path) -> Non
 
 
 def test_another_skeleton_is_named_with_the_way_out(checkpoint) -> None:
-    with pytest.raises(SagError, match=r"before\.ckpt was trained on 19 joints.*--data\.init_args\.skeleton prox_16"):
+    with pytest.raises(
+        SagError, match=r"before\.ckpt was trained on the skeleton gta_im_19.*--data\.init_args\.skeleton prox_16"
+    ):
         pretrained_state(checkpoint, {}, PROX_16)
 
 

@@ -9,17 +9,14 @@ import numpy as np
 from sag.data.gta_im.cameras import camera_cuts, camera_zooms
 from sag.data.gta_im.recording import ROOT, Recording
 from sag.data.recordings.filters import (
-    JOINT_BEHIND,
-    NO_BONE,
     NO_CLIPS,
     NO_PICTURE,
     OTHER_SIZE,
     ROOT_JUMPS,
-    ROOT_OUTSIDE,
-    TOO_SHORT,
     Limits,
-    inside_picture,
-    pixels_of,
+    faultless_starts,
+    jumps_in,
+    motion_fault,
     root_jumps,
 )
 from sag.types import FRAMES
@@ -47,14 +44,11 @@ def usable_starts(
         limits: what a window must keep to.
         size: rows and columns that the pictures must have.
     """
-    if len(recording) < FRAMES:
-        return [], Counter({TOO_SHORT: 1})
-    jumps = np.array(root_jumps(recording.joints[:, ROOT], limits), int)
-    faults = {s: _fault(recording, s, jumps, limits, size) for s in range(0, len(recording) - FRAMES + 1, stride)}
-    return [s for s, fault in faults.items() if fault is None], Counter(f for f in faults.values() if f)
+    jumps = root_jumps(recording.joints[:, ROOT], limits)
+    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, limits, size))
 
 
-def _fault(recording: Recording, start: int, jumps: np.ndarray, limits: Limits, size: tuple[int, int]) -> str | None:
+def _fault(recording: Recording, start: int, jumps: list[int], limits: Limits, size: tuple[int, int]) -> str | None:
     """The first reason against the window that starts at a frame."""
     if start not in recording.pictured:
         return NO_PICTURE
@@ -62,13 +56,7 @@ def _fault(recording: Recording, start: int, jumps: np.ndarray, limits: Limits, 
         return OTHER_SIZE
     if not np.isfinite(recording.clips[start]).all():
         return NO_CLIPS
-    if ((jumps >= start) & (jumps < start + FRAMES - 1)).any():
+    if jumps_in(jumps, start):
         return ROOT_JUMPS
     joints = recording.seen_from(start, slice(start, start + FRAMES))
-    if np.isnan(joints).any():
-        return NO_BONE
-    if (joints[..., 2] < limits.nearest_joint).any():
-        return JOINT_BEHIND
-    rows, columns = recording.size
-    inside = inside_picture(pixels_of(joints[:, ROOT], recording.intrinsics[start]), rows, columns)
-    return None if inside.all() else ROOT_OUTSIDE
+    return motion_fault(joints, ROOT, recording.intrinsics[start], recording.size, limits)

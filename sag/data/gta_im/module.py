@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from pathlib import Path
 from typing import Any
 
 from sag.data.gta_im.reader import GTA_IM
 from sag.data.gta_im.recording import joint_places, recordings_in
 from sag.data.recordings import Limits, RecordedDataModule
+from sag.data.recordings.digest import digest_of
 from sag.data.recordings.splits import RoomSplit
 from sag.errors import SagError
 
@@ -104,7 +103,7 @@ class GtaImDataModule(RecordedDataModule):
     def sources(self) -> dict[str, Any]:
         """The rate, and the files by name, size and time."""
         folder = self.folder()
-        return {"rate": [self.rate, folder.name], "files": _digest(folder)}
+        return {"rate": [self.rate, folder.name], "files": digest_of(recordings_in(folder))}
 
     def native_fps(self) -> float:
         """The nominal rate of the folder that is used."""
@@ -115,22 +114,3 @@ class GtaImDataModule(RecordedDataModule):
         used = self.folder().name
         nominal = f"{RATES[used]:g} frames a second is the nominal rate of {used}; some recordings are faster or slower"
         return [nominal] if used == self.rate else [f"{used} USED: {self.root} has no {self.rate}", nominal]
-
-
-def _digest(folder: Path) -> str:
-    """Checksum of the names, sizes and times of all files of the recordings."""
-    digest = hashlib.sha256()
-    for recording in recordings_in(folder):
-        with os.scandir(recording) as entries:
-            files = sorted(_stamp(entry) for entry in entries)
-        digest.update(repr((recording.name, files)).encode())
-    return digest.hexdigest()
-
-
-def _stamp(entry: os.DirEntry[str]) -> tuple[str, int, int]:
-    """Name, size and time of a file; a link that leads nowhere has none."""
-    try:
-        found = entry.stat()
-    except OSError:
-        return entry.name, -1, -1
-    return entry.name, found.st_size, found.st_mtime_ns

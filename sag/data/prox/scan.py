@@ -10,7 +10,7 @@ import trimesh
 from jaxtyping import Float
 
 from sag.data.paths import regular
-from sag.data.rays import RayScene
+from sag.data.rays import cast, pixel_rays
 from sag.errors import SagError
 
 
@@ -48,24 +48,3 @@ def read_triangles(path: Path) -> Float[np.ndarray, "n 3 3"]:
     if not len(triangles) or not np.isfinite(triangles).all():
         raise SagError(f"{path} has no triangles, or corners that are not finite; restore the original file")
     return triangles
-
-
-def pixel_rays(
-    intrinsics: Float[np.ndarray, "3 3"], rows: tuple[int, int], columns: tuple[int, int]
-) -> Float[np.ndarray, "n 3"]:
-    """Directions through the centres of pixels, row by row; 1 along the camera's axis, so scaled by planar depth.
-
-    Args:
-        intrinsics: camera matrix in continuous pixels.
-        rows: first and last + 1.
-        columns: first and last + 1.
-    """
-    x = (np.arange(*columns) + 0.5 - intrinsics[0, 2]) / intrinsics[0, 0]
-    y = (np.arange(*rows) + 0.5 - intrinsics[1, 2]) / intrinsics[1, 1]
-    grid = np.stack(np.broadcast_arrays(x, y[:, None], 1.0), axis=-1)
-    return grid.reshape(-1, 3)
-
-
-def cast(triangles: Float[np.ndarray, "m 3 3"], rays: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-    """Planar z at which rays from the camera meet triangles (metres, camera frame); infinite where they meet none."""
-    return RayScene(triangles).distance(np.zeros(3), rays)

@@ -6,9 +6,10 @@ import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
 from sag.data.pictures import read_colour, refuse_cut_off
-from sag.data.prox.person import body_depth, mask_of, with_person
+from sag.data.prox.person import mask_of, with_person
 from sag.data.prox.recording import Recording
 from sag.data.prox.sensor import Aligned, aligned, read_depth
+from sag.data.recordings.body import BEHIND_SKIN, body_depth
 from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
 from sag.errors import SagError
 from sag.skeleton import PROX_16
@@ -16,9 +17,6 @@ from sag.types import FRAMES
 
 NOTHING, PERSON = 0, 1
 """Ids in a native picture."""
-
-BEHIND_SKIN = 0.1
-"""How far a capsule may lie behind the skin that the sensor measured, metres."""
 
 
 def stored_window(
@@ -40,7 +38,7 @@ def stored_window(
     """
     colour, measured = read_unmirrored(recording, start), measured_depth(recording, start)
     scene = measured.depth if recording.scan is None else recording.scan
-    body = body_depth(recording.joints[start], recording.intrinsics, recording.size)
+    body = body_depth(recording.joints[start], PROX_16, recording.intrinsics, recording.size)
     person = _person(recording, start, scene, body, measured)
     if not (person & np.isfinite(body)).any():
         return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,3 +57,47 @@ def pixels_of(points: Float[np.ndarray, "n 3"], intrinsics: Float[np.ndarray, "3
 def inside_picture(pixels: Float[np.ndarray, "n 2"], rows: int, columns: int) -> Bool[np.ndarray, " n"]:
     """Whether picture coordinates lie in the picture."""
     return np.all((pixels >= 0) & (pixels < (columns, rows)), axis=-1)
+
+
+def faultless_starts(
+    frames: int, stride: int, fault: Callable[[int], str | None]
+) -> tuple[list[int], Counter[str]]:
+    """Frames where a usable window starts, and how many windows were dropped for what.
+
+    Args:
+        frames: of the recording.
+        stride: frames from one window to the next.
+        fault: the first reason against the window that starts at a frame; nothing where there is none.
+    """
+    if frames < FRAMES:
+        return [], Counter({TOO_SHORT: 1})
+    faults = {start: fault(start) for start in range(0, frames - FRAMES + 1, stride)}
+    return [start for start, found in faults.items() if found is None], Counter(f for f in faults.values() if f)
+
+
+def jumps_in(jumps: list[int], start: int) -> bool:
+    """Whether the root jumps, after one of these frames, inside the window that starts at a frame."""
+    return any(start <= jump < start + FRAMES - 1 for jump in jumps)
+
+
+def motion_fault(
+    joints: Float[np.ndarray, "t j 3"],
+    root: int,
+    intrinsics: Float[np.ndarray, "3 3"],
+    size: tuple[int, int],
+    limits: Limits,
+) -> str | None:
+    """The first reason against the motion of a window, if there is one.
+
+    Args:
+        joints: metres, camera frame of the window's start; not numbers where one is missing.
+        root: its place among the joints.
+        intrinsics: camera matrix in pixels of the start picture.
+        size: rows and columns of the start picture.
+        limits: what a window must keep to.
+    """
+    if np.isnan(joints).any():
+        return NO_BONE
+    if (joints[..., 2] < limits.nearest_joint).any():
+        return JOINT_BEHIND
+    return None if inside_picture(pixels_of(joints[:, root], intrinsics), *size).all() else ROOT_OUTSIDE

@@ -144,7 +144,7 @@ class RecordedDataModule(MotionDataModule):
             "stride": self.stride,
             "rooms": asdict(self.rooms),
             "form": asdict(self.form),
-            "skeleton": self.skeleton.name,
+            "skeleton": self.skeleton.description,
             "skip_broken": self.skip_broken,
         }
 
