@@ -43,9 +43,7 @@ def read_archive(path: Path, shapes: Mapping[str, tuple[int, ...]]) -> dict[str,
     return arrays
 
 
-def read_array(
-    path: Path, name: str, shapes: Sequence[Shape], kinds: str = "f", way_out: str = ORIGINAL
-) -> np.ndarray:
+def read_array(path: Path, name: str, shapes: Sequence[Shape], kinds: str = "f", way_out: str = ORIGINAL) -> np.ndarray:
     """One array of an archive: numbers as float64, text as it is.
 
     Args:

@@ -72,11 +72,7 @@ def read_grey(path: Path) -> Int[np.ndarray, "h w"]:
         SagError: as `read_colour`, but for the colours.
     """
     with _opened(path) as picture:
-        try:
-            whole = picture if picture.mode in ("I", "I;16", "I;16B") else picture.convert("L")
-            return np.asarray(whole).astype(np.int32)
-        except Exception as error:  # damaged pixels can raise anything
-            raise _damaged(path, error) from error
+        return _values(picture, path)
 
 
 def read_16_bit(path: Path) -> Int[np.ndarray, "h w"]:
@@ -88,7 +84,15 @@ def read_16_bit(path: Path) -> Int[np.ndarray, "h w"]:
     with _opened(path) as picture:
         if not picture.mode.startswith("I"):
             raise SagError(f"{path} holds {picture.mode} pixels, not one channel of 16 bits; write it as uint16")
-    return read_grey(path)
+        return _values(picture, path)
+
+
+def _values(picture: Image.Image, path: Path) -> Int[np.ndarray, "h w"]:
+    try:
+        whole = picture if picture.mode in ("I", "I;16", "I;16B") else picture.convert("L")
+        return np.asarray(whole).astype(np.int32)
+    except Exception as error:  # damaged pixels can raise anything
+        raise _damaged(path, error) from error
 
 
 def refuse_cut_off(colour: UInt8[np.ndarray, "h w 3"], path: Path) -> None:

@@ -23,6 +23,7 @@ from sag.data.prox.calibration import Sensor
 from sag.data.prox.person import with_person
 from sag.data.prox.scan import scan_depth
 from sag.data.prox.sensor import aligned
+from sag.data.recordings.body import body_depth
 from sag.data.recordings.filters import HIDDEN, UNREADABLE
 from sag.geometry.camera import project, to_world
 from sag.skeleton import PROX_16

@@ -8,6 +8,7 @@ from toy_data import ToyDataModule
 from sag.components import Components, Network
 from sag.errors import SagError
 from sag.methods import SAG
+from sag.skeleton import GTA_IM_19
 from sag.trainer import Trainer
 
 SMALL = Network(width=0.05, critic_norm="layer")

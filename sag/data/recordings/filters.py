@@ -59,9 +59,7 @@ def inside_picture(pixels: Float[np.ndarray, "n 2"], rows: int, columns: int) ->
     return np.all((pixels >= 0) & (pixels < (columns, rows)), axis=-1)
 
 
-def faultless_starts(
-    frames: int, stride: int, fault: Callable[[int], str | None]
-) -> tuple[list[int], Counter[str]]:
+def faultless_starts(frames: int, stride: int, fault: Callable[[int], str | None]) -> tuple[list[int], Counter[str]]:
     """Frames where a usable window starts, and how many windows were dropped for what.
 
     Args:
