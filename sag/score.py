@@ -23,7 +23,7 @@ from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
 from sag.metrics.collisions.clear_frames import RADII
-from sag.parsing import one_sentence
+from sag.parsing import one_sentence, refusal
 from sag.report import show_scores
 from sag.scoring import Evaluation
 
@@ -31,6 +31,7 @@ DATA_SETS = {
     "rooms": "sag.data.rooms.RoomsDataModule",
     "gta_im": "sag.data.gta_im.GtaImDataModule",
     "prox": "sag.data.prox.ProxDataModule",
+    "folder": "sag.data.folder.FolderDataModule",
 }
 """Data sets that `--reference` knows by name."""
 
@@ -104,6 +105,8 @@ def _parsed(arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
         return _instantiated(parser, arguments)
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
+    except ValueError as error:
+        raise refusal(error) or error from None
 
 
 def _instantiated(parser: ArgumentParser, arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:

@@ -15,7 +15,7 @@ from sag.callbacks import LastCheckpoint, MetricsFile, PredictionFile, ProgressF
 from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
-from sag.parsing import one_sentence
+from sag.parsing import one_sentence, refusal
 from sag.trainer import Trainer
 
 LINKS = ("skeleton", "image_size")
@@ -84,6 +84,8 @@ def train(arguments: list[str]) -> int:
         )
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
+    except ValueError as error:
+        raise refusal(error) or error from None
     finally:
         torch.set_flush_denormal(False)
         wandb.finish()

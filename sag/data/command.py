@@ -13,9 +13,11 @@ from sag.data.prepare import main as prepare
 from sag.data.rooms import Recipe, RoomsDataModule
 from sag.errors import SagError
 
+ROOMS = "Builds the embedded synthetic rooms and says what they hold; draws them, or writes them in another layout."
+
 OF_THEIR_OWN: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
-    "check": (check, "whether GTA-IM or PROX on disk is whole and in the right units"),
-    "prepare": (prepare, "convert GTA-IM or PROX into the cache that training reads"),
+    "check": (check, "whether GTA-IM, PROX or your own data are whole and in the right units"),
+    "prepare": (prepare, "convert GTA-IM, PROX or your own data into the cache that training reads"),
 }
 """Commands on other data sets, which take their arguments themselves."""
 
@@ -24,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
     """The arguments of `sag data`."""
     made = argparse.ArgumentParser(prog="sag data", description="Builds and shows data sets.")
     sets = made.add_subparsers(dest="name", required=True, metavar="DATASET")
-    rooms = sets.add_parser("rooms", help="the embedded synthetic rooms", description=RoomsDataModule.__doc__)
+    rooms = sets.add_parser("rooms", help="the embedded synthetic rooms", description=ROOMS)
     rooms.add_argument("--cache_dir", type=Path, default=Path("data"), metavar="DIR", help="default: data")
     rooms.add_argument("--image_size", type=int, nargs=2, default=Recipe.image_size, metavar=("ROWS", "COLUMNS"))
     rooms.add_argument("--seed", type=int, default=0, help="of all that is drawn (default: 0)")

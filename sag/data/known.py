@@ -20,7 +20,7 @@ class KnownDataSet:
         title: what people call it.
         module: dotted path of its data module.
         inspector: dotted path of the function that checks it.
-        signs: folders of which one at least lies in its root.
+        signs: files and folders of which one at least lies in its root.
     """
 
     name: str
@@ -42,6 +42,13 @@ KNOWN = (
     KnownDataSet(
         "prox", "PROX", "sag.data.prox.ProxDataModule", "sag.data.check.prox.inspect", ("recordings", "PROXD")
     ),
+    KnownDataSet(
+        "folder",
+        "a data set of your own",
+        "sag.data.folder.FolderDataModule",
+        "sag.data.check.folder.inspect",
+        ("skeleton.yaml",),
+    ),
 )
 """Every data set that `sag data check` and `sag data prepare` know."""
 
@@ -57,12 +64,12 @@ def recognised(path: Path) -> tuple[KnownDataSet, Path]:
     whole = path.resolve()
     for root in (path, *whole.parents[:2]):
         for known in KNOWN:
-            if any((root / sign).is_dir() for sign in known.signs):
+            if any((root / sign).exists() for sign in known.signs):
                 return known, root
     if any(path.glob("*/info_frames.*")):
         raise SagError(f"{path} holds recordings of GTA-IM: move them to {path / 'FPS-30'} or {path / 'FPS-5'}")
     expected = "; ".join(f"{' or '.join(known.signs)} for {known.title}" for known in KNOWN)
-    raise SagError(f"{path} is in no layout that is known: it has none of the folders {expected}")
+    raise SagError(f"{path} is in no layout that is known: it has none of {expected}")
 
 
 def imported(name: str) -> Any:

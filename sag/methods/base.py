@@ -12,8 +12,8 @@ import torch
 from torch import Generator, Tensor
 
 from sag.data.base import MotionDataModule
-from sag.data.cache import sha256_of
 from sag.errors import SagError
+from sag.files import sha256_of
 from sag.methods.weights import check_shapes, check_skeleton
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders

@@ -12,6 +12,9 @@ import numpy as np
 from sag.errors import SagError
 from sag.skeleton.levels import Groups, Level
 
+FEET = ("right_ankle", "left_ankle")
+"""Joints that every skeleton must have, by these names."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
@@ -38,6 +41,9 @@ class Skeleton:
     def __post_init__(self) -> None:
         if len(set(self.joints)) < len(self.joints):
             raise SagError(f"skeleton {self.name} names a joint twice")
+        if missing := [name for name in FEET if name not in self.joints]:
+            lacking = " and no ".join(missing)
+            raise SagError(f"skeleton {self.name} has no joint {lacking}, where feet are measured: name its own so")
         self._check_tree()
         for groups, members in ((self.parts, self.joints), (self.limbs, tuple(self.parts))):
             found = sorted(m for group in groups.values() for m in group)
@@ -77,6 +83,11 @@ class Skeleton:
     def index(self, *names: str) -> list[int]:
         """Places of the named joints."""
         return [self.joints.index(name) for name in names]
+
+    @property
+    def feet(self) -> list[int]:
+        """Places of the ankles, where feet are measured: the right one, the left one."""
+        return self.index(*FEET)
 
     @cached_property
     def bone_index(self) -> np.ndarray:

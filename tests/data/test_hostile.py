@@ -1,5 +1,6 @@
 """Damaged and hostile files are refused in one line that names them; nothing is run, and memory stays small."""
 
+import pickle
 import shutil
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from hostile_cases import ARCHIVES, CASES, PICKLES, ROOMS
 from hostile_files import COLOUR, DEPTH, IDS, NPZ, PICKLE, ROOM
 from hostile_memory import little_memory
 
+from sag.data.gta_im.bones import BONES, cameras_of, joints_of
+from sag.data.gta_im.files import clips_of, read_frames
 from sag.data.gta_im.recording import Recording
 from sag.errors import SagError
 
@@ -117,3 +120,45 @@ def test_whatever_bit_is_flipped_reading_ends_in_a_value_or_an_error_that_names_
             refused += 1
             assert "rec" in str(error) and "\n" not in str(error)
     assert refused > 12 or file not in (NPZ, DEPTH, IDS)
+
+
+def real_like() -> bytes:
+    """A pickle such as GTA-IM's: 98 bones by name, in another order in each frame, and its camera."""
+    random = np.random.default_rng(0)
+    names = [*BONES, *(f"IK_{number}" for number in range(98 - len(BONES)))]
+    frames = [
+        {
+            "time": f"{frame:05d}",
+            "cam_near_clip": 0.1,
+            "cam_far_clip": 800.0,
+            "cam_field_of_view": 50.0,
+            "cam_pos": [-300.0 + 0.01 * frame, 500.0, 40.0],
+            "cam_rot": np.array([-5.0, 0.0, 0.1 * frame]),
+            "kpname": [names[bone] for bone in random.permutation(98)],
+            "kpvalue": random.normal(0, 1, 294).tolist(),
+        }
+        for frame in range(2)
+    ]
+    return pickle.dumps(frames)
+
+
+def test_whatever_bytes_of_a_pickle_change_it_is_read_or_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where code that ran would most likely leave something
+    path, original, random = tmp_path / PICKLE, real_like(), np.random.default_rng(0)
+    read = 0
+    for attempt in range(300):
+        content, flips = np.frombuffer(original, np.uint8).copy(), 1 + attempt % 3
+        content[random.integers(len(content), size=flips)] ^= random.integers(1, 256, flips, np.uint8)
+        path.write_bytes(content)
+        try:
+            frames = read_frames(path)
+            shapes = (
+                clips_of(frames, path).shape,
+                joints_of(frames, path).shape,
+                cameras_of(frames, (9, 16), path)[1].shape,
+            )
+            assert shapes == ((len(frames), 2), (len(frames), 21, 3), (len(frames), 3, 3))
+            read += 1
+        except SagError as error:
+            assert PICKLE in str(error) and "\n" not in str(error)
+    assert 0 < read < 300 and [file.name for file in tmp_path.iterdir()] == [PICKLE]

@@ -1,7 +1,10 @@
 """The cache is the one that training builds, and an interrupted conversion goes on."""
 
 import multiprocessing
+import os
 import shlex
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,7 @@ from gta_im_files import Sequence
 
 from sag.data.command import main
 from sag.data.gta_im import GtaImDataModule
-from sag.data.recordings.reader import GTA_IM
+from sag.data.gta_im.reader import GTA_IM
 from sag.data.recordings.scratch import Scratch, scratch_folder
 from sag.errors import SagError
 
@@ -106,6 +109,43 @@ def test_an_interrupted_conversion_goes_on_with_the_same_bytes(root, tmp_path, i
     assert [path.name for path in (tmp_path / "out").iterdir()] == [whole.folder.name]
 
 
+@pytest.mark.parametrize(("after", "said"), [(5, "goes on with what is finished, in "), (0, "no window was finished")])
+def test_an_interrupted_command_says_how_to_go_on(root, tmp_path, interrupted, capsys, after, said):
+    interrupted(after=after)
+    asked = ["prepare", str(root), "--out", str(tmp_path / "out"), *OPTIONS]
+    assert main(asked) == 130
+    assert said in capsys.readouterr().out
+    interrupted(after=None)
+    assert main(asked) == 0
+    assert not list((tmp_path / "out").glob("*.converting"))
+
+
+def test_a_killed_process_leaves_what_it_finished(root, tmp_path, capsys):
+    whole = trained(root, tmp_path / "whole").build()
+    child = multiprocessing.get_context("fork").Process(target=_killed_after, args=(root, tmp_path / "out", 10))
+    child.start()
+    child.join(60)
+    assert child.exitcode == -signal.SIGKILL
+    capsys.readouterr()
+    assert trained(root, tmp_path / "out").build().fingerprint == whole.fingerprint
+    assert "going on after 8 of 12 windows" in capsys.readouterr().out
+
+
+def _killed_after(root: Path, cache_dir: Path, count: int) -> None:
+    """Converts windows and is killed, without a chance to tidy up, before one more."""
+    stored, read = GTA_IM.window, []
+
+    def window(*arguments: object) -> dict[str, np.ndarray] | None:
+        if len(read) >= count:
+            time.sleep(0.5)  # until what was read before has been put away
+            os.kill(os.getpid(), signal.SIGKILL)
+        read.append(arguments)
+        return stored(*arguments)
+
+    GTA_IM.__dict__["window"] = window
+    trained(root, cache_dir).build()
+
+
 def test_a_changed_file_begins_anew(root, tmp_path, interrupted):
     interrupted(after=5)
     with pytest.raises(KeyboardInterrupt):
@@ -179,7 +219,5 @@ def test_only_one_process_fills_a_folder(tmp_path, capsys):
 
 
 def _leave_soon(leave: multiprocessing.Event) -> None:
-    import time
-
     time.sleep(0.3)
     leave.set()

@@ -64,5 +64,6 @@ def bones_line(known: Sequence[tuple[str, Bones]]) -> Line:
     wrong = tuple(f"{name}: {bones.stature:.3g}" for name, bones in known if not bones.plausible)
     low, high = (choice(bones.stature for _, bones in known) for choice in (min, max))
     stray = max(bones.stray for _, bones in known)
-    value = f"{low:.2f} to {high:.2f} m from head to ankle; bones stray by {1000 * stray:.2g} mm at most"
+    span = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
+    value = f"{span} m from head to ankle; no bone's length changes by more than {1000 * stray:.2g} mm"
     return Line("bones", value, "broken" if wrong else graded(stray, TREMBLE, np.inf), wrong)

@@ -23,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
         "and which files are broken; status 1 when something is.",
         epilog="Further options are those of training, such as --stride 5 or --data.init_args.limits.root_step 0.3.",
     )
-    made.add_argument("path", type=Path, metavar="PATH", help="root of GTA-IM or PROX")
+    made.add_argument("path", type=Path, metavar="PATH", help="root of GTA-IM, PROX or your own data")
     made.add_argument("--config", type=Path, action="append", default=[], help="file with data.init_args; may repeat")
     made.add_argument("--pictures", default="24", metavar="N", help="frames decoded of each recording, or all")
     made.add_argument("--sheet", type=Path, metavar="FILE.png", help="draw windows with their motion to this file")

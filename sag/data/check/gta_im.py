@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import track
 
 from sag.data.check.recordings import Findings, examine
-from sag.data.check.report import Line, Report, Section, by_recording
+from sag.data.check.report import Line, Report, Section, by_recording, several
 from sag.data.check.scale import scale_lines
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.gta_im.files import ARCHIVE
@@ -42,7 +42,7 @@ def inspect(module: GtaImDataModule, pictures: int | None) -> Inspection:
     sections = (
         Section("What is there", (*_presence(module.root, everything), *_files(everything))),
         windows_section(plan, module.stride, used.name, broken),
-        Section("Motion and cameras", tuple(_motion(readable))),
+        Section("Motion and cameras", tuple(_motion(readable, module.form.limits.root_step))),
         Section("Scale and units", scale_lines(readable)),
     )
     return Inspection(Report(f"GTA-IM in {module.root}", sections), plan, module)
@@ -59,8 +59,8 @@ def _presence(root: Path, everything: Sequence[Findings]) -> list[Line]:
     strangers = sorted(set(others) - {found.folder.name for found in everything})
     lines = [
         Line("recordings", f"{len(everything)} ({', '.join(f'{n} in {rate}' for rate, n in rates.items())})"),
-        Line("not there", ", ".join(absent) or "nothing", details=("the paper used FPS-30",) * ("FPS-30" in absent)),
-        Line("rooms", ", ".join(f"{room}: {n}" for room, n in sorted(rooms.items())) + " (number: recordings)"),
+        Line("not there", ", ".join(absent).replace("FPS-30", "FPS-30, which the paper used") or "nothing"),
+        Line("rooms", ", ".join(f"{room} ({several(n, 'recording')})" for room, n in sorted(rooms.items()))),
         Line("frames", f"{frames:,}", "ok" if frames else "broken"),
         Line("pictures", f"{pictured:,} frames with colour, depth and ids", "ok" if pictured else "broken"),
     ]
@@ -84,8 +84,8 @@ def _files(everything: Sequence[Findings]) -> list[Line]:
     return [*lines, Line("broken files", said, "broken" if broken else "ok", tuple(broken))]
 
 
-def _motion(readable: Sequence[Findings]) -> list[Line]:
-    """Teleports, cuts and zooms with their frames."""
+def _motion(readable: Sequence[Findings], step: float) -> list[Line]:
+    """Teleports by more than a step (metres), cuts and zooms, with their frames."""
     jumps, cuts, zooms = (sum(len(getattr(found, name)) for found in readable) for name in ("jumps", "cuts", "zooms"))
     where = [
         f"{found.folder.name}: {cut.frame} to {cut.frame + 1}, {cut.step:.1f} m and {cut.turn:.0f} degrees, "
@@ -93,11 +93,12 @@ def _motion(readable: Sequence[Findings]) -> list[Line]:
         for found in readable
         for cut in found.cuts
     ]
+    over = f"which no window goes over: by more than {step:g}"
     jumped, zoomed = (by_recording((f.folder, get(f)) for f in readable) for get in (_jumps, _zooms))
     return [
-        Line("root teleports", f"{jumps}, after the frames" if jumps else "0", details=jumped),
-        Line("camera cuts", f"{cuts}, between the frames" if cuts else "0", details=tuple(where)),
-        Line("camera zooms", f"{zooms}, in the frames" if zooms else "0", details=zoomed),
+        Line("root teleports", f"{jumps}, {over} m; after the frames" if jumps else "0", details=jumped),
+        Line("camera cuts", f"{cuts}, which drop no window; between the frames" if cuts else "0", details=tuple(where)),
+        Line("camera zooms", f"{zooms}, which drop no window; in the frames" if zooms else "0", details=zoomed),
     ]
 
 

@@ -12,11 +12,10 @@ from rich.console import Console
 from rich.progress import track
 
 from sag.data.check.bodies import Bones, bones_line, bones_of
-from sag.data.check.report import Line, Report, Section, Verdict, by_recording
+from sag.data.check.prox_looks import Look, look_at, look_lines
+from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several
 from sag.data.check.windows import Inspection, windows_section
-from sag.data.pictures import read_colour, refuse_cut_off
 from sag.data.prox import ProxDataModule
-from sag.data.prox.names import RecordingName
 from sag.data.prox.recording import Recording, stems
 from sag.data.recordings.filters import root_jumps
 from sag.errors import SagError
@@ -37,7 +36,7 @@ class Findings:
         folder: its place.
         recording: what was read; nothing where it is broken.
         broken: sentences on files that are.
-        decoded: pictures that were.
+        looks: at the decoded frames.
         bones: their lengths.
         jumps: frames after which the root is elsewhere.
     """
@@ -45,7 +44,7 @@ class Findings:
     folder: Path
     recording: Recording | None = None
     broken: list[str] = field(default_factory=list)
-    decoded: int = 0
+    looks: list[Look] = field(default_factory=list)
     bones: Bones | None = None
     jumps: list[int] = field(default_factory=list)
 
@@ -55,7 +54,7 @@ def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
 
     Args:
         module: knows the root and what its windows must keep to.
-        pictures: how many colour pictures are decoded of each recording; all where nothing is given.
+        pictures: how many frames' pictures are decoded of each recording; all where nothing is given.
 
     Raises:
         SagError: there is no recording, or what all of them need is missing.
@@ -66,10 +65,11 @@ def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
     usable = [found.folder for found in readable]
     plan = module.plan(usable) if usable else None
     known = [(found.folder.name, found.bones) for found in readable if found.bones is not None]
+    looks = [look for found in readable for look in found.looks]
     sections = (
         Section("What is there", (*_presence(module, readable), *_kinds(folders), *_files(everything))),
         windows_section(plan, module.stride, "recordings", len(everything) - len(readable)),
-        Section("Motion and scale", (_motion(readable), bones_line(known))),
+        Section("Motion and scale", (_motion(readable), bones_line(known), *look_lines(looks))),
     )
     return Inspection(Report(f"PROX in {module.root}", sections), plan, module)
 
@@ -85,10 +85,8 @@ def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Fin
     found.jumps = root_jumps(recording.joints[:, PROX_16.root_index], module.form.limits)
     count = len(recording) if pictures is None else min(pictures, len(recording))
     for frame in np.linspace(0, len(recording) - 1, count).round().astype(int).tolist():
-        path = recording.path("Color", frame, ".jpg")
         try:
-            refuse_cut_off(read_colour(path), path)
-            found.decoded += 1
+            found.looks.append(look_at(recording, frame))
         except SagError as error:
             found.broken.append(str(error))
     return found
@@ -96,12 +94,12 @@ def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Fin
 
 def _presence(module: ProxDataModule, readable: Sequence[Findings]) -> list[Line]:
     """What lies beside the recordings."""
-    root, scenes = module.root, Counter(RecordingName.of(path.name).scene for path in module.files.recordings)
+    root, scenes = module.root, Counter(path.name.split("_")[0] for path in module.files.recordings)
     bodies = "PROXD's fits" if module.files.bodies else "the Kinect's skeletons: give smplx_models for PROXD's fits"
     frames = sum(len(found.recording or ()) for found in readable)
     lines = [
         Line("recordings", f"{sum(scenes.values())} of the 60 that are published"),
-        Line("scenes", ", ".join(f"{scene}: {count}" for scene, count in sorted(scenes.items()))),
+        Line("scenes", ", ".join(f"{name} ({several(count, 'recording')})" for name, count in sorted(scenes.items()))),
         Line("frames", f"{frames:,}", "ok" if frames else "broken"),
         Line("bodies", bodies, "ok" if module.files.bodies else "look"),
     ]
@@ -126,10 +124,10 @@ def _kinds(folders: Sequence[Path]) -> list[Line]:
 
 
 def _files(everything: Sequence[Findings]) -> list[Line]:
-    decoded, broken = sum(found.decoded for found in everything), [s for found in everything for s in found.broken]
+    decoded, broken = sum(len(found.looks) for found in everything), [s for found in everything for s in found.broken]
     said = f"{len(broken)}, in {sum(bool(found.broken) for found in everything)} recordings" if broken else "none"
     return [
-        Line("decoded", f"{decoded:,} colour pictures", "ok" if decoded else "look"),
+        Line("decoded", f"the pictures of {decoded:,} frames", "ok" if decoded else "look"),
         Line("broken files", said, "broken" if broken else "ok", tuple(broken)),
     ]
 

@@ -16,15 +16,14 @@ Verdict = Literal["", "ok", "look", "broken"]
 
 STYLES = {"": "", "ok": "green", "look": "yellow", "broken": "bold red"}
 
-WIDTH = 80
-"""Columns of text that a report is made for."""
+WIDTH = 100
+"""Most columns of text that a report takes; farther apart, a value and its name are hard to read together."""
 
 NAMES = 15
 """Columns of text for the names of lines."""
 
 SHOWN = 8
 """Most details of a line that are shown."""
-
 
 FRAMES_SHOWN = 12
 """Most frames of a recording that are shown."""
@@ -86,7 +85,7 @@ class Report:
 
 
 def show(report: Report, console: Console) -> None:
-    """Prints a report, at most 80 columns wide."""
+    """Prints a report, at most `WIDTH` columns wide."""
     width = min(WIDTH, console.width)
     console.print(Text(plain(report.title), style="bold"), width=width)
     for section in report.sections:
@@ -126,6 +125,11 @@ def _first(details: Sequence[str]) -> list[str]:
 def graded(value: float, usual: float, usable: float) -> Verdict:
     """What to think of a number that should be small."""
     return "ok" if value <= usual else "look" if value <= usable else "broken"
+
+
+def several(count: int, one: str) -> str:
+    """A count with its noun."""
+    return f"{count:,} {one}{'' if count == 1 else 's'}"
 
 
 def by_recording(found: Iterable[tuple[Path, Sequence[object]]]) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ def _projection(readable: Sequence[Findings]) -> Line:
         return Line("projection", "no recording has joints_2d to compare with", "look")
     error, worst = max(told, key=lambda pair: pair[0])
     frames = sum(len(found.recording or ()) for _, found in told)
-    value = f"joints are at most {error:.1e} px from joints_2d in {frames:,} frames"
+    value = f"world joints, seen by their frame's camera, land within {error:.1e} px of joints_2d in {frames:,} frames"
     where = (f"the worst: {worst.folder.name}",) * (error > PROJECTION[0])
     return Line("projection", value, graded(error, *PROJECTION), where)
 
@@ -56,7 +56,7 @@ def _depth(looks: Sequence[Look]) -> list[Line]:
     if not np.isfinite(near).any():
         return [Line("depth", "no decoded picture has any", "look")]
     plausible = 0.2 < np.nanmedian(near) < np.nanmedian(far) < 300
-    value = f"{np.nanmin(near):.2f} to {np.nanmax(far):.1f} m in all but the nearest and farthest hundredth"
+    value = f"{np.nanmin(near):.2f} to {np.nanmax(far):.1f} m, the nearest and the farthest hundredth left out"
     lines = [Line("depth", value, "ok" if plausible else "look")]
     gaps = [look.gap for look in looks if np.isfinite(look.gap)]
     if gaps:

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from sag.data.cache import SPLITS
-from sag.data.check.report import Line, Report, Section, plain
+from sag.data.cache import PERSON, SPLITS
+from sag.data.check.report import Line, Report, Section, plain, several
 from sag.data.recordings.filters import BROKEN
 from sag.data.recordings.plan import Plan, Window
 from sag.data.sheet import Tile, draw_sheet, projected
 from sag.errors import SagError
+from sag.types import FRAMES
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class Inspection:
             return None
         joints = projected(stored["joints"], stored["intrinsics"])
         caption = f"{folder.name}, room {self.plan.rooms[window.recording]}, frame {window.start}"
-        return Tile(stored["image"], joints, plain(caption))
+        return Tile(stored["image"], joints, plain(caption), stored["ids"] == PERSON)
 
 
 def windows_section(plan: Plan | None, stride: int, place: str, broken: int) -> Section:
@@ -70,12 +71,14 @@ def windows_section(plan: Plan | None, stride: int, place: str, broken: int) -> 
         place: folder of the recordings.
         broken: recordings that are left out.
     """
-    title = f"Windows of 65 frames in {place}, one every {stride} frames"
+    title = f"Windows of {FRAMES} frames in {place}, one asked for every {several(stride, 'frame')}"
     dropped = Counter({BROKEN: broken}) + (plan.dropped if plan else Counter())
     windows = plan.windows if plan else ()
     splits = Counter(window.split for window in windows)
     kept = ", ".join(f"{splits[split]:,} {split}" for split in SPLITS)
     lines = [Line("kept", kept if windows else "none", "ok" if windows else "broken")]
-    lines += [Line("dropped", f"{count:,}: {reason}") for reason, count in dropped.most_common()]
-    lines += [Line("note", note, "look") for note in (plan.notes if plan else ())]
+    lines += [Line("dropped", f"{count:,}: {reason}") for reason, count in dropped.most_common() if count]
+    if len(lines) > 2:
+        lines.append(Line("", "a window is counted once, under the first reason against it"))
+    lines += [Line("notes", note, "look") for note in (plan.notes if plan else ())]
     return Section(title, tuple(lines))

@@ -101,7 +101,7 @@ def _each(path: Path, name: str, size: int, frames: int) -> np.ndarray:
     found = read_array(path, name, shapes, way_out=GUIDE)
     if found.ndim == 3 and len(found) != frames:
         raise SagError(f"{path} holds {name} of {len(found)} frames, but {frames} frames of joints; {GUIDE}")
-    return np.broadcast_to(found, (frames, size, size))
+    return np.broadcast_to(found, (frames, size, size)).copy()
 
 
 def _faults(world2cam: np.ndarray, intrinsics: np.ndarray) -> dict[str, np.ndarray]:

@@ -92,7 +92,11 @@ class Pictures:
             SagError: the picture is damaged or of another size than the first.
         """
         path = self.file(frame, PERSON)
-        return self._sized(read_grey(path), path) > 0 if path.exists() else None
+        return self._sized(read_grey(path), path) > 0 if self.tells_person(frame) else None
+
+    def tells_person(self, frame: int) -> bool:
+        """Whether a frame has a picture of where the person is."""
+        return self.file(frame, PERSON).exists()
 
     def file(self, frame: int, suffix: str) -> Path:
         """A file beside the colours of a frame."""

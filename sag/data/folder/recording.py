@@ -60,9 +60,10 @@ class Recording:
         pictures.check(len(joints))
         beside = (intrinsics[:, :2, 2] <= 0) | (intrinsics[:, :2, 2] >= pictures.size[::-1])
         if beside.any():
+            frame = int(beside.any(axis=1).argmax())
             raise SagError(
-                f"{path} has intrinsics of other pictures than these of {pictures.size} pixels: the camera looks beside "
-                f"them, first in frame {int(beside.any(axis=1).argmax())}"
+                f"{path} has intrinsics of other pictures than these of {pictures.size} pixels: in frame {frame} the "
+                "camera looks beside them"
             )
         return cls(folder, skeleton, root, read_head(path), joints, world2cam, intrinsics, pictures)
 

@@ -27,7 +27,7 @@ class NamedRooms(RoomSplit):
             if strangers := [room for room in getattr(self, option) if room not in names]:
                 known = ", ".join(names)
                 raise SagError(f"data.init_args.{option} tells {strangers[0]!r}; rooms with windows are {known}")
-        test = self.test_rooms or _last([name for name in names if name not in self.train_rooms], self.train_rooms)
+        test = tuple(map(str, self.test_rooms)) or self._last(names)
         train = self.train_rooms or tuple(name for name in names if name not in test)
         found = RoomSplit(train, test, self.shared_test_share, self.val_share).divided(rooms)
         if self.test_rooms or not test:
@@ -35,13 +35,12 @@ class NamedRooms(RoomSplit):
         note = f"test rooms are {', '.join(test)}: data.init_args.test_rooms tells none"
         return replace(found, notes=(note, *found.notes))
 
-
-def _last(names: Sequence[str], train_rooms: Sequence[Room]) -> tuple[str, ...]:
-    """Rooms to test on: all that do not train, or the last share of all; none where there is but one."""
-    if train_rooms:
-        return tuple(names)
-    count = max(1, round(FALLBACK_TEST_SHARE * len(names)))
-    return tuple(names[-count:]) if len(names) > 1 else ()
+    def _last(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Rooms to test on: all that do not train, or the last share of all; none where there is but one."""
+        if self.train_rooms:
+            return tuple(name for name in names if name not in self.train_rooms)
+        count = max(1, round(FALLBACK_TEST_SHARE * len(names)))
+        return names[-count:] if len(names) > 1 else ()
 
 
 def in_order(names: Iterable[str]) -> tuple[str, ...]:
