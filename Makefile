@@ -14,7 +14,8 @@ SEEDS ?= 1
 RUNS ?= runs
 EXTRA ?=
 
-data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT))
+data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT) \
+	$(if $(filter folder,$(DATA)),--set data.init_args.skeleton=$(ROOT)/skeleton.yaml))
 # Runs that do not compare have folders of their own.
 folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
 run = $(BIN)/sag sweep sweeps/$(1).yaml --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) --config configs/presets/$(PRESET).yaml

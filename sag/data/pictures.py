@@ -125,7 +125,7 @@ def _opened(path: Path) -> Image.Image:
         raise SagError(f"{path} is {picture.width} x {picture.height} pixels, more than the {PIXEL_LIMIT:,} allowed")
     try:
         _check_end(content, str(picture.format))
-    except (ValueError, struct.error) as error:
+    except ValueError as error:
         picture.close()
         raise _damaged(path, error) from error
     return picture
@@ -147,8 +147,11 @@ def _check_end(content: bytes, kind: str) -> None:
         return
     place, name = 8, b""
     while name != b"IEND":
-        length, name = struct.unpack_from(">I4s", content, place)
-        (expected,) = struct.unpack_from(">I", content, place + 8 + length)
+        try:
+            length, name = struct.unpack_from(">I4s", content, place)
+            (expected,) = struct.unpack_from(">I", content, place + 8 + length)
+        except struct.error as error:
+            raise ValueError(f"it ends at byte {len(content):,}, inside a part") from error
         if zlib.crc32(content[place + 4 : place + 8 + length]) != expected:
             raise ValueError(f"checksum of its part {name!r} at byte {place}")
         place += 12 + length

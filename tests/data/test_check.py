@@ -1,31 +1,25 @@
-"""`sag data check`: what it counts, what it finds, and how it stands on 80 columns."""
+"""`sag data check` of GTA-IM: what it counts and what it finds."""
 
 from pathlib import Path
 
 import hostile_files as bad
 import hostile_traps as trap
 import numpy as np
-import prox_files
 import pytest
-from gta_im_files import Sequence, body
+from check_reports import OPTIONS, told
+from gta_im_files import Sequence
 from hostile_files import COLOUR, NPZ, PICKLE, ROOM
 from PIL import Image
-from rich.console import Console
 
-from sag.data.check.bodies import Bones, bones_line, bones_of
 from sag.data.check.command import main
-from sag.data.check.recordings import LIMBS, WAY, examine
-from sag.data.check.report import Line, Report, Section, graded, plain, show
+from sag.data.check.recordings import examine
 from sag.data.command import main as data
-from sag.data.gta_im.recording import JOINTS
 from sag.data.known import recognised
 from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 
 CENTIMETRES = np.where(np.arange(16).reshape(4, 4) // 4 == 3, 100, 1) - np.diag([0, 0, 0, 99])
 """Makes the translation of cameras one in centimetres."""
-
-OPTIONS = ["--image_size=[54,96]", "--stride", "1"]
 
 
 @pytest.fixture
@@ -34,19 +28,6 @@ def root(tmp_path) -> Path:
     for name, room in (("a", 1), ("b", 2), ("c", 13)):
         Sequence(68).write(tmp_path / "root" / "FPS-30" / name, room, pictured=range(4))
     return tmp_path / "root"
-
-
-def told(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
-    """What a report says, by the name of the line: value and details in one."""
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= 80
-    said: dict[str, str] = {}
-    name = ""
-    for line in lines:
-        if line[:6].strip() in ("", "ok", "look", "broken") and len(line) > 7:
-            name = line[7:22].strip() or name
-            said[name] = f"{said.get(name, '')} {line[:6].strip()} {line[23:].strip()}".strip()
-    return {name: " ".join(value.split()) for name, value in said.items()}
 
 
 def changed(root: Path, damage: bad.Damage, name: str = "b") -> Path:
@@ -102,7 +83,7 @@ def test_incomplete_pictures_and_other_folders_are_worth_a_look(root, capsys):
     (root / "FPS-30" / "notes").mkdir()
     assert main([str(root), *OPTIONS]) == 0
     said = told(capsys)
-    assert said["incomplete"] == "look 1 frames lack some of their pictures a: 2"
+    assert said["incomplete"] == "look some pictures are missing in 1 frame a: 2"
     assert said["other folders"].endswith("notes") and said["pictures"].startswith("ok 11 frames")
     assert "no picture at the start frame" in said["dropped"]
 
@@ -124,7 +105,7 @@ def test_incomplete_pictures_and_other_folders_are_worth_a_look(root, capsys):
 def test_broken_files_are_named_and_are_status_1(root, capsys, damage, file):
     assert main([str(changed(root, damage)), *OPTIONS]) == 1
     said = told(capsys)
-    assert said["broken files"].startswith("broken 1, in 1 recordings") or file.endswith("empty")
+    assert said["broken files"].startswith("broken 1, in 1 recording ") or file.endswith("empty")
     assert file.replace(" ", "") in said["broken files"].replace(" ", "")
     assert not bad.canary(root / "FPS-30" / "b").exists()
 
@@ -167,6 +148,15 @@ def test_ids_of_other_pictures_do_not_agree(root, capsys):
     assert told(capsys)["ids"].startswith("broken")
 
 
+def test_broken_pictures_are_named_where_the_recording_is_broken_too(root, capsys):
+    for damage in (bad.truncated(NPZ), bad.truncated(COLOUR), bad.replaced("00001.png", b"")):
+        changed(root, damage)
+    assert main([str(root), *OPTIONS]) == 1
+    said = told(capsys)["broken files"]
+    assert said.startswith("broken 3, in 1 recording FPS-30/b/00001.png is empty")
+    assert f"FPS-30/b/{NPZ} cannot be read" in said and f"FPS-30/b/{COLOUR} is damaged" in said
+
+
 # --- motion and cameras ---
 
 
@@ -194,19 +184,6 @@ def test_teleports_cuts_and_zooms_are_told_with_their_frames(tmp_path, capsys):
     assert said["projection"] == "look no recording has joints_2d to compare with"
 
 
-def test_bones_are_measured():
-    joints = np.tile(body(), (4, 1, 1))
-    joints[2, JOINTS.index("left_wrist")] += [0, 0, 0.03]
-    joints[3, 0] = np.nan
-    bones = bones_of(joints, LIMBS, WAY)
-    assert bones.stature == pytest.approx(0.15 + 0.2 + 4 * 0.1 + 0.1 + 0.4 + 0.4) and bones.plausible
-    assert bones.stray == pytest.approx(0.03, abs=1e-9)
-    assert bones_of(joints[3:], LIMBS, WAY) is None
-    assert bones_line([("a", bones)]).verdict == "look"
-    tiny = Bones(1e-4, 5e-4, 1.6e-3, 0.0)
-    assert bones_line([("a", bones), ("b", tiny)]).details == ("b: 0.0016",)
-
-
 def test_a_recording_of_no_plausible_picture_is_examined(tmp_path):
     folder = Sequence(65).write(tmp_path / "a", pictured=[0])
     trap.single(bad.DEPTH)(folder)
@@ -230,48 +207,3 @@ def test_without_windows_there_is_no_sheet(root, tmp_path):
         changed(root, bad.truncated(NPZ), name)
     with pytest.raises(SagError, match="no window to draw"):
         main([str(root), "--sheet", str(tmp_path / "no.png")])
-
-
-# --- the report ---
-
-
-def test_the_verdict_names_what_is_unusual():
-    lines = (Line("a", "1", "ok"), Line("b", "2", "look"), Line("b", "3", "look"))
-    assert Report("x", (Section("s", lines),)).verdict == "nothing is broken; worth a look: b"
-    assert Report("x", (Section("s", (*lines, Line("c", "4", "broken"))),)).verdict == "BROKEN: c"
-    assert [graded(v, 1, 2) for v in (1, 2, 2.1)] == ["ok", "look", "broken"]
-
-
-def test_names_cannot_move_the_cursor_and_details_are_few():
-    assert plain("a\x1b[2Jb\n会\udcff") == "a\\x1b[2Jb\\n会\\udcff"
-    console = Console(width=80, record=True, file=open("/dev/null", "w"))  # noqa: SIM115
-    show(Report("[red]x", (Section("s", (Line("[b]", "v", "", tuple(f"\x07{n}" for n in range(20))),)),)), console)
-    said = console.export_text()
-    assert "and 12 more" in said and "\x07" not in said and "[red]x" in said and "[b]" in said
-
-
-# --- PROX ---
-
-
-def test_prox_is_recognised_and_told(tmp_path, capsys):
-    root = prox_files.write_root(tmp_path / "root")
-    for name in ("N0Sofa_00034_01", "MPH16_00157_01"):
-        prox_files.Take(66).write(root, name)
-    assert main([str(root), *OPTIONS, "--skeleton", "prox_16"]) == 0
-    said = told(capsys)
-    assert said["scenes"] == "MPH16 (1 recording), N0Sofa (1 recording)" and said["scans"] == "ok of every scene"
-    assert said["frames"] == "ok 132" and said["Skeleton"] == "ok 132 files"
-    assert said["bodies"].startswith("look the Kinect's skeletons") and said["bones"].startswith("ok")
-    assert said["kept"].startswith("ok")
-
-
-def test_what_prox_lacks_is_told(tmp_path, capsys):
-    root = prox_files.write_root(tmp_path / "root")
-    folder = prox_files.Take(66).write(root, "N0Sofa_00034_01")
-    for path in list((folder / "Depth").iterdir())[:5]:
-        path.unlink()
-    (root / "cam2world" / "N0Sofa.json").unlink()
-    assert main([str(root), *OPTIONS]) == 1
-    said = told(capsys)
-    assert "fewer than colour in 1 recordings" in said["Depth"] and "61 of 66" in said["Depth"]
-    assert said["cam2world"].startswith("broken missing for 1 scenes") and "N0Sofa.json" in said["broken files"]

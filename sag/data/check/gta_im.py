@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import track
 
 from sag.data.check.recordings import Findings, examine
-from sag.data.check.report import Line, Report, Section, by_recording, several
+from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several, within
 from sag.data.check.scale import scale_lines
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.gta_im.files import ARCHIVE
@@ -39,13 +39,14 @@ def inspect(module: GtaImDataModule, pictures: int | None) -> Inspection:
     mine = [found.folder for found in readable if found.folder.parent == used]
     plan = module.plan(mine) if mine else None
     broken = sum(found.recording is None and found.folder.parent == used for found in everything)
-    sections = (
-        Section("What is there", (*_presence(module.root, everything), *_files(everything))),
+    sections = [
+        Section("What is there", (*_presence(module.root, everything), *_files(everything, module.root))),
         windows_section(plan, module.stride, used.name, broken),
-        Section("Motion and cameras", tuple(_motion(readable, module.form.limits.root_step))),
-        Section("Scale and units", scale_lines(readable)),
-    )
-    return Inspection(Report(f"GTA-IM in {module.root}", sections), plan, module)
+    ]
+    if readable:
+        sections.append(Section("Motion and cameras", tuple(_motion(readable, module.form.limits.root_step))))
+        sections.append(Section("Scale and units", scale_lines(readable)))
+    return Inspection(Report(f"GTA-IM in {module.root}", tuple(sections)), plan, module)
 
 
 def _presence(root: Path, everything: Sequence[Findings]) -> list[Line]:
@@ -57,31 +58,33 @@ def _presence(root: Path, everything: Sequence[Findings]) -> list[Line]:
     without = [found.folder.name for found in everything if not (found.folder / ARCHIVE).exists()]
     others = [path.name for rate in rates for path in sorted((root / rate).iterdir()) if path.is_dir()]
     strangers = sorted(set(others) - {found.folder.name for found in everything})
+    numbers = ", ".join(f"{room} ({several(n, 'recording')})" for room, n in sorted(rooms.items()))
     lines = [
         Line("recordings", f"{len(everything)} ({', '.join(f'{n} in {rate}' for rate, n in rates.items())})"),
         Line("not there", ", ".join(absent).replace("FPS-30", "FPS-30, which the paper used") or "nothing"),
-        Line("rooms", ", ".join(f"{room} ({several(n, 'recording')})" for room, n in sorted(rooms.items()))),
+        Line("rooms", numbers or "not known"),
         Line("frames", f"{frames:,}", "ok" if frames else "broken"),
         Line("pictures", f"{pictured:,} frames with colour, depth and ids", "ok" if pictured else "broken"),
     ]
     if without:
-        said = f"missing in {len(without)} recordings, whose joints and cameras come from the pickle"
+        said = f"missing in {several(len(without), 'recording')}: joints and cameras come from the pickle there"
         lines.append(Line(ARCHIVE, said, "look", tuple(without)))
     if strangers:
-        lines.append(Line("other folders", f"{len(strangers)} that are no recordings", "look", tuple(strangers)))
+        lines.append(Line("other folders", "these are no recordings", "look", tuple(strangers)))
     return lines
 
 
-def _files(everything: Sequence[Findings]) -> list[Line]:
+def _files(everything: Sequence[Findings], root: Path) -> list[Line]:
     """What can be read, and what cannot."""
     looks, broken = sum(len(found.looks) for found in everything), [s for found in everything for s in found.broken]
     partly = by_recording((found.folder, found.incomplete) for found in everything)
     lines = [Line("decoded", f"the pictures of {looks:,} frames", "ok" if looks else "look")]
     if partly:
         count = sum(len(found.incomplete) for found in everything)
-        lines.append(Line("incomplete", f"{count:,} frames lack some of their pictures", "look", partly))
-    said = f"{len(broken)}, in {sum(bool(found.broken) for found in everything)} recordings" if broken else "none"
-    return [*lines, Line("broken files", said, "broken" if broken else "ok", tuple(broken))]
+        lines.append(Line("incomplete", f"some pictures are missing in {several(count, 'frame')}", "look", partly))
+    said = f"{len(broken)}, in {several(sum(bool(found.broken) for found in everything), 'recording')}"
+    verdict: Verdict = "broken" if broken else "ok"
+    return [*lines, Line("broken files", said if broken else "none", verdict, within(broken, root))]
 
 
 def _motion(readable: Sequence[Findings], step: float) -> list[Line]:

@@ -13,7 +13,7 @@ from rich.progress import track
 
 from sag.data.check.bodies import Bones, bones_line, bones_of
 from sag.data.check.prox_looks import Look, look_at, look_lines
-from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several
+from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several, within
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.prox import ProxDataModule
 from sag.data.prox.recording import Recording, stems
@@ -66,12 +66,14 @@ def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
     plan = module.plan(usable) if usable else None
     known = [(found.folder.name, found.bones) for found in readable if found.bones is not None]
     looks = [look for found in readable for look in found.looks]
-    sections = (
-        Section("What is there", (*_presence(module, readable), *_kinds(folders), *_files(everything))),
+    there = (*_presence(module, readable), *_kinds(folders), *_files(everything, module.root))
+    sections = [
+        Section("What is there", there),
         windows_section(plan, module.stride, "recordings", len(everything) - len(readable)),
-        Section("Motion and scale", (_motion(readable), bones_line(known), *look_lines(looks))),
-    )
-    return Inspection(Report(f"PROX in {module.root}", sections), plan, module)
+    ]
+    if readable:
+        sections.append(Section("Motion and scale", (_motion(readable), bones_line(known), *look_lines(looks))))
+    return Inspection(Report(f"PROX in {module.root}", tuple(sections)), plan, module)
 
 
 def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Findings:
@@ -106,7 +108,7 @@ def _presence(module: ProxDataModule, readable: Sequence[Findings]) -> list[Line
     for name, ending, needed in (("cam2world", ".json", True), ("scenes", ".ply", module.files.depth == "scan")):
         missing = sorted(scene for scene in scenes if not (root / name / f"{scene}{ending}").is_file())
         verdict: Verdict = "ok" if not missing else "broken" if needed else "look"
-        said = f"missing for {len(missing)} scenes" if missing else "of every scene"
+        said = f"missing for {several(len(missing), 'scene')}" if missing else "of every scene"
         lines.append(Line("scans" if name == "scenes" else name, said, verdict, tuple(missing)))
     return lines
 
@@ -118,17 +120,18 @@ def _kinds(folders: Sequence[Path]) -> list[Line]:
         counts = {folder: len(stems(folder / kind, ending)) for folder in folders}
         colours = {folder: len(stems(folder / "Color", ".jpg")) for folder in folders}
         fewer = tuple(f"{f.name}: {counts[f]:,} of {colours[f]:,}" for f in folders if counts[f] < colours[f])
-        said = f"{sum(counts.values()):,} files" + (f"; fewer than colour in {len(fewer)} recordings" if fewer else "")
+        few = f"; fewer than colour in {several(len(fewer), 'recording')}" if fewer else ""
+        said = f"{sum(counts.values()):,} files{few}"
         lines.append(Line(kind, said, "look" if fewer else "ok", fewer))
     return lines
 
 
-def _files(everything: Sequence[Findings]) -> list[Line]:
+def _files(everything: Sequence[Findings], root: Path) -> list[Line]:
     decoded, broken = sum(len(found.looks) for found in everything), [s for found in everything for s in found.broken]
-    said = f"{len(broken)}, in {sum(bool(found.broken) for found in everything)} recordings" if broken else "none"
+    said = f"{len(broken)}, in {several(sum(bool(found.broken) for found in everything), 'recording')}"
     return [
         Line("decoded", f"the pictures of {decoded:,} frames", "ok" if decoded else "look"),
-        Line("broken files", said, "broken" if broken else "ok", tuple(broken)),
+        Line("broken files", said if broken else "none", "broken" if broken else "ok", within(broken, root)),
     ]
 
 

@@ -14,6 +14,7 @@ from sag.data.gta_im.cameras import Cut, camera_cuts, camera_zooms
 from sag.data.gta_im.files import ARCHIVE
 from sag.data.gta_im.recording import JOINTS, ROOT, Recording
 from sag.data.gta_im.views import BEFORE_JOINT, BEHIND_JOINT, person_id
+from sag.data.pictures import read_colour
 from sag.data.recordings.filters import Limits, inside_picture, pixels_of, root_jumps
 from sag.data.recordings.views import Picture
 from sag.errors import SagError
@@ -89,13 +90,12 @@ def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
         pictures: how many frames' pictures are decoded, evenly spread; all where nothing is given.
     """
     found = Findings(folder)
-    found.broken += [f"{path} is empty" for path in sorted(folder.iterdir()) if path.is_file() and _is_empty(path)]
     try:
         recording = found.recording = Recording.read(folder)
         found.projection = projection_error(recording)
     except SagError as error:
         found.recording = None
-        found.broken.append(str(error))
+        found.broken = _told([str(error), *_broken_pictures(folder, pictures)], folder)
         return found
     found.incomplete = incomplete_frames(folder)
     found.bones = bones_of(recording.joints, LIMBS, WAY)
@@ -104,12 +104,19 @@ def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
     found.zooms = camera_zooms(recording.intrinsics, found.cuts)
     for frame in _spread(sorted(recording.pictured), pictures):
         try:
-            found.looks.append(
-                look_at(recording.picture(frame), recording.seen_from(frame, slice(frame, frame + 1))[0])
-            )
+            joints = recording.seen_from(frame, slice(frame, frame + 1))[0]
+            found.looks.append(look_at(recording.picture(frame), joints))
         except SagError as error:
             found.broken.append(str(error))
+    found.broken = _told(found.broken, folder)
     return found
+
+
+def _told(broken: list[str], folder: Path) -> list[str]:
+    """All that is broken: empty files first, whether they were read or not, then the others."""
+    empty = [path for path in sorted(folder.iterdir()) if path.is_file() and not path.stat().st_size]
+    others = [sentence for sentence in broken if not any(sentence.startswith(f"{path} ") for path in empty)]
+    return [*(f"{path} is empty" for path in empty), *others]
 
 
 def projection_error(recording: Recording) -> float | None:
@@ -142,9 +149,28 @@ def _nearest(recording: Recording) -> float:
 
 def incomplete_frames(folder: Path) -> list[int]:
     """Frames that have some of their three pictures, but not all."""
-    names = {path.name for path in folder.iterdir()}
-    numbers = {name[:5] for name in names if name[:5].isdecimal() and name.isascii() and name[5:] in SUFFIXES}
-    return sorted(int(n) for n in numbers if not all(n + suffix in names for suffix in SUFFIXES))
+    return sorted(frame for frame, suffixes in _pictured(folder).items() if len(suffixes) < len(SUFFIXES))
+
+
+def _pictured(folder: Path) -> dict[int, list[str]]:
+    """Frames that have pictures, and how the names of these end."""
+    found: dict[int, list[str]] = {}
+    for name in (path.name for path in folder.iterdir()):
+        if name[:5].isdecimal() and name.isascii() and name[5:] in SUFFIXES:
+            found.setdefault(int(name[:5]), []).append(name[5:])
+    return found
+
+
+def _broken_pictures(folder: Path, count: int | None) -> list[str]:
+    """Sentences on the pictures of so many frames that cannot be decoded, where a recording's own files are broken."""
+    broken, pictured = [], _pictured(folder)
+    for frame in _spread(sorted(pictured), count):
+        for suffix in sorted(pictured[frame]):
+            try:
+                read_colour(folder / f"{frame:05d}{suffix}")
+            except SagError as error:
+                broken.append(str(error))
+    return broken
 
 
 def look_at(picture: Picture, joints: np.ndarray) -> Look:
@@ -173,7 +199,3 @@ def _spread(frames: list[int], count: int | None) -> list[int]:
     if count is None or count >= len(frames):
         return frames
     return [frames[place] for place in np.linspace(0, len(frames) - 1, count).round().astype(int)]
-
-
-def _is_empty(path: Path) -> bool:
-    return path.stat().st_size == 0

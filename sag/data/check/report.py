@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -130,6 +131,11 @@ def graded(value: float, usual: float, usable: float) -> Verdict:
 def several(count: int, one: str) -> str:
     """A count with its noun."""
     return f"{count:,} {one}{'' if count == 1 else 's'}"
+
+
+def within(sentences: Iterable[str], root: Path) -> tuple[str, ...]:
+    """Sentences with places in a root told from there on, as long paths are hard to read."""
+    return tuple(sentence.replace(f"{root}{os.sep}", "") for sentence in sentences)
 
 
 def by_recording(found: Iterable[tuple[Path, Sequence[object]]]) -> tuple[str, ...]:
