@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from sag.data.prox.numbers import array_of, check_rotation, read_json
+from sag.data.prox.numbers import FARTHEST, array_of, check_rotation, read_json
 from sag.errors import SagError
 
 CENTRE = 0.5
@@ -131,4 +131,6 @@ def read_world2cam(root: Path, scene: str) -> Float[np.ndarray, "4 4"]:
     check_rotation(cam2world[:3, :3], str(path))
     if np.abs(cam2world[3] - [0, 0, 0, 1]).max() > 0:
         raise SagError(f"{path} must have 0 0 0 1 as its last row; restore the original file")
+    if np.abs(cam2world[:3, 3]).max() > FARTHEST:
+        raise SagError(f"{path} puts the camera more than {FARTHEST:g} m away; restore the original file")
     return np.linalg.inv(cam2world)

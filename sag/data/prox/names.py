@@ -12,7 +12,7 @@ FPS = 30.0
 """Nominal frames a second. Frames are taken as they come: the clock in their names trembles by several milliseconds,
 and motion resampled by it would tremble too."""
 
-_FRAME = re.compile(r"s\d+_frame_(\d+)__(\d+)\.(\d+)\.(\d+)\.(\d+)")
+_FRAME = re.compile(r"s\d+_frame_(\d+)__(\d+)\.(\d+)\.(\d+)\.(\d+)", re.ASCII)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 from sag.data.prox.names import FPS, FrameName
 from sag.data.prox.recording import stems
 from sag.data.prox.root import Root
+from sag.errors import SagError
 
 OFF = 0.1
 """Recordings whose rate differs by more than this share from the nominal one are named."""
@@ -32,9 +33,12 @@ def notes_on(root: Root) -> Iterator[str]:
 
 
 def _rate(folder: Path) -> float:
-    """Frames a second of a recording, by the clock in their names."""
-    seconds = [FrameName.of(stem, str(folder)).seconds for stem in stems(folder / "Color", ".jpg")]
-    span = max(seconds) - min(seconds)
+    """Frames a second of a recording, by the clock in their names; the nominal rate where it is broken."""
+    try:
+        seconds = [FrameName.of(stem, str(folder)).seconds for stem in stems(folder / "Color", ".jpg")]
+    except SagError:
+        return FPS
+    span = max(seconds, default=0.0) - min(seconds, default=0.0)
     return (len(seconds) - 1) / span if span > 0 else FPS
 
 

@@ -12,6 +12,9 @@ from jaxtyping import Float
 from sag.data.paths import read_file
 from sag.errors import SagError
 
+FARTHEST = 1e4
+"""Farthest that anything lies from a camera or from the origin of a scan, metres."""
+
 LARGEST = 1 << 20
 """Bytes of the largest JSON file that is read; the real ones have a few thousand."""
 

@@ -18,6 +18,7 @@ from sag.data.prox.calibration import Sensor, read_world2cam
 from sag.data.prox.fits import Bodies
 from sag.data.prox.kinect import read_skeleton
 from sag.data.prox.names import FrameName, RecordingName, in_order
+from sag.data.prox.numbers import FARTHEST
 from sag.data.prox.recording import Recording, stems
 from sag.data.prox.scan import scan_depth
 from sag.errors import SagError
@@ -56,12 +57,11 @@ class Root:
         """Folders of recordings, in order of their names.
 
         Raises:
-            SagError: there is none, one is a link that leads elsewhere, or what they need beside them is missing.
+            SagError: there is none, or what they need beside them is missing or a link that leads elsewhere.
         """
         for name in BESIDE:
             contained(self.path / name, self.path)
-        there = (path.parent for path in self.path.glob("recordings/*/Color") if path.is_dir())
-        found = sorted(contained(path, self.path) for path in there)
+        found = sorted(path.parent for path in self.path.glob("recordings/*/Color") if path.is_dir())
         if not found:
             raise SagError(
                 f"{self.path} is no PROX folder: expected {self.path / 'recordings'} with a folder for each recording, "
@@ -91,7 +91,7 @@ class Root:
             SagError: a file is missing, damaged or of another layout.
         """
         name = RecordingName.of(folder.name)
-        for path in (*folder.iterdir(), self.path / "PROXD" / folder.name):
+        for path in (folder, *folder.iterdir()):
             contained(path, self.path)
         pictures = folder / "Color"
         frames = in_order([FrameName.of(stem, str(pictures)) for stem in stems(pictures, ".jpg")], str(pictures))
@@ -121,11 +121,14 @@ class Root:
         joints = np.full((len(frames), len(PROX_16.joints), 3), np.nan)
         files = self.bodies_of(folder, frames)
         places = [place for place, frame in enumerate(frames) if frame in files]
-        paths = [files[frames[place]] for place in places]
+        paths = [contained(files[frames[place]], self.path) for place in places]
         if self.bodies:
             joints[places] = self.bodies.joints(paths, name.is_of(self.bodies.female_subjects))
         elif paths:
             joints[places] = self.sensor.to_colour(np.stack([read_skeleton(path) for path in paths]))
+        for place, path in zip(places, paths):
+            if (np.abs(joints[place]) > FARTHEST).any():
+                raise SagError(f"{path} has joints more than {FARTHEST:g} m away; restore the original file")
         return joints
 
     def bodies_of(self, folder: Path, frames: list[str]) -> dict[str, Path]:

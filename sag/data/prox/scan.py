@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,13 @@ import numpy as np
 import trimesh
 from jaxtyping import Float
 
-from sag.data.paths import regular
+from sag.data.paths import read_file
+from sag.data.prox.numbers import FARTHEST
 from sag.data.rays import cast, pixel_rays
 from sag.errors import SagError
+
+LARGEST = 1 << 30
+"""Bytes of the largest scan that is read."""
 
 
 def scan_depth(
@@ -37,14 +42,16 @@ def read_triangles(path: Path) -> Float[np.ndarray, "n 3 3"]:
     """Corners of every triangle of a mesh, in the file's own frame.
 
     Raises:
-        SagError: the file is missing or damaged, or holds no triangles.
+        SagError: the file is missing, damaged or larger than `LARGEST`, or holds no triangles.
     """
+    content = read_file(path, LARGEST)
     try:
-        with regular(path).open("rb") as file:
-            mesh: Any = trimesh.load_mesh(file, file_type="ply", process=False)
-        triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces)]
+        # From memory: of a file trimesh would open the pictures beside it that it names.
+        mesh: Any = trimesh.load_mesh(io.BytesIO(content), file_type="ply", process=False)
+        faces = np.asarray(mesh.faces)
+        triangles = np.asarray(mesh.vertices, np.float64)[faces]
     except Exception as error:  # a damaged mesh can raise anything
         raise SagError(f"{path} cannot be read as a mesh ({error!r}); restore the original file") from error
-    if not len(triangles) or not np.isfinite(triangles).all():
-        raise SagError(f"{path} has no triangles, or corners that are not finite; restore the original file")
+    if not len(triangles) or faces.min() < 0 or not (np.abs(triangles) <= FARTHEST).all():
+        raise SagError(f"{path} has no triangles, or corners beyond {FARTHEST:g} m; restore the original file")
     return triangles

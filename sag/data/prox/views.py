@@ -69,12 +69,18 @@ def read_unmirrored(recording: Recording, frame: int) -> UInt8[np.ndarray, "h w 
 
 
 def measured_depth(recording: Recording, frame: int) -> Aligned:
-    """What the sensor measured in a frame; nothing where it is not wanted: with a scan and a mask of its own."""
+    """What the sensor measured in a frame; nothing where it is not wanted: with a scan and a mask of its own.
+
+    Raises:
+        SagError: the picture is damaged, or of another size than the calibration's.
+    """
     path = recording.path("Depth", frame, ".png")
     wanted = recording.scan is None or not recording.path("BodyIndexColor", frame, ".png").is_file()
     if not wanted or not path.is_file():
         return Aligned(np.zeros(recording.size), np.full(recording.size, -1))
-    return aligned(read_depth(path), recording.sensor, recording.size)
+    measured = read_depth(path)
+    recording.sensor.infrared.check_size(len(measured), measured.shape[1], path)
+    return aligned(measured, recording.sensor, recording.size)
 
 
 def _person(
