@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
@@ -14,6 +15,7 @@ from torch import Generator, Tensor
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.files import sha256_of
+from sag.methods.pretrained import pretrained_state
 from sag.methods.weights import check_shapes, check_skeleton
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
@@ -33,6 +35,7 @@ class Method(pl.LightningModule):
         drawn: whether motions are drawn, so that they can differ from each other and from the truth.
         needs_encoders: whether a test without Motion FID's encoders is refused.
         windows: places in the data set of the test windows that are judged; all of them when None.
+        pretrained: checkpoint in which training starts, of the same method and skeleton on other data.
 
     Args:
         skeleton: name of the skeleton.
@@ -41,6 +44,7 @@ class Method(pl.LightningModule):
 
     drawn = True
     needs_encoders = True
+    pretrained: Path | None = None
 
     def __init__(self, skeleton: str, evaluation: Evaluation) -> None:
         super().__init__()
@@ -74,9 +78,14 @@ class Method(pl.LightningModule):
         return self.trainer.datamodule  # type: ignore[attr-defined]
 
     def setup(self, stage: str) -> None:
-        """Takes statistics before training; refuses to test or predict what was never trained."""
-        if stage == "fit":
+        """Before training, takes statistics of the data or everything of a checkpoint, its normalisation included."""
+        if stage != "fit":
+            return
+        if self.pretrained is None:
             self.prepare(self.data.training_motion)
+        else:
+            self.load_state_dict(pretrained_state(self.pretrained, self.state_dict(), self.skeleton))
+            self.print(f"training starts from {self.pretrained}, normalisation included")
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Notes which skeleton the weights are for."""

@@ -15,7 +15,7 @@ from sag.skeleton import Skeleton
 
 State = Mapping[str, Tensor]
 
-OPTION = "--model.init_args.pretrained"
+OPTION = "--pretrained"
 
 AVERAGED, SAMPLER = "averaged.0.module.", "sampler."
 

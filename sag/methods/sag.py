@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import torch
@@ -23,7 +22,6 @@ from sag.components import (
 from sag.errors import SagError
 from sag.losses import critic_loss, generator_loss, gradient_penalty
 from sag.methods.base import Method, Sample
-from sag.methods.pretrained import pretrained_state
 from sag.models.critics import Critic
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
@@ -47,7 +45,6 @@ class SAG(Method):
         penalty_target: norm that the penalty asks of a critic's gradient.
         average: decay of the averaged generator that samples; 0 samples from the raw one.
         weights: factor on each loss of the generator by its name; 1 where none is given.
-        pretrained: checkpoint that training starts from: same components, network and skeleton, other data.
     """
 
     generator_steps: Tensor
@@ -66,7 +63,6 @@ class SAG(Method):
         penalty_target: float = 0.1,
         average: float = 0.0,
         weights: dict[str, float] = {},
-        pretrained: Path | None = None,
     ) -> None:
         super().__init__(skeleton, evaluation)
         self.automatic_optimization = False
@@ -83,7 +79,6 @@ class SAG(Method):
         self.learning_rate, self.betas = learning_rate, betas
         self.critic_steps, self.penalty, self.penalty_target = critic_steps, penalty, penalty_target
         self.weights = self._checked(weights)
-        self.pretrained = pretrained
 
     def _checked(self, weights: dict[str, float]) -> dict[str, float]:
         for name in weights:
@@ -97,14 +92,7 @@ class SAG(Method):
         return bool(self.generator_steps > 0)
 
     def prepare(self, motion: Motion) -> None:
-        """Takes normalisation from the training split's motion, and says what the scene encoder starts from.
-
-        A pretrained start brings its own normalisation: weights mean nothing in other units.
-        """
-        if self.pretrained is not None:
-            self.load_state_dict(pretrained_state(self.pretrained, self.state_dict(), self.skeleton))
-            self.print(f"training starts from {self.pretrained}, normalisation included")
-            return
+        """Takes normalisation from the training split's motion, and says what the scene encoder starts from."""
         self.print(f"the scene encoder starts from {self.network.imagenet or 'random weights, not from ImageNet'}")
         self.sampler.scale.fit(motion)
         for averaged in self._averages():

@@ -18,7 +18,7 @@ COMPONENTS = "components."
 ENCODERS = "configs/methods/erd.yaml"
 GROUND_TRUTH = "configs/methods/ground_truth.yaml"
 BLIND = "configs/methods/blind.yaml"
-PRETRAINED = "model.init_args.pretrained"
+PRETRAINED = "pretrained"
 
 
 @dataclass(frozen=True)

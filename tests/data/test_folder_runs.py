@@ -92,9 +92,7 @@ def test_a_checkpoint_for_another_skeleton_is_refused(run, folder, capsys):
     other = ["--data.init_args.skeleton", str(folder / "fewer/skeleton.yaml"), "--trainer.fast_dev_run", "true"]
     said = refused(capsys, ["test", *options(folder), *other, "--ckpt_path", str(run / "checkpoints/last.ckpt")])
     assert "h36m_17 (17 joints)" in said and "without_nose (16 joints)" in said
-    said = refused(
-        capsys, ["fit", *options(folder), *other, "--model.init_args.pretrained", str(run / "checkpoints/last.ckpt")]
-    )
+    said = refused(capsys, ["fit", *options(folder), *other, "--pretrained", str(run / "checkpoints/last.ckpt")])
     assert "h36m_17 (17 joints)" in said and "without_nose (16 joints)" in said
 
 

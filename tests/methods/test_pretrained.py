@@ -32,9 +32,16 @@ def elsewhere(tmp_path: Path) -> ToyDataModule:
 
 
 def prepared(data: ToyDataModule, pretrained: Path, **options):
-    made = method(data, pretrained=pretrained, **options)
+    made = starting(data, pretrained, **options)
     made.trainer = trainer(data.cache_dir)
-    made.prepare(data.training_motion)
+    made.trainer.datamodule = data
+    made.setup("fit")
+    return made
+
+
+def starting(data: ToyDataModule, pretrained: Path, **options):
+    made = method(data, **options)
+    made.pretrained = pretrained
     return made
 
 
@@ -60,7 +67,7 @@ def test_counters_start_anew(elsewhere, checkpoint) -> None:
 
 
 def test_training_goes_on_from_there(elsewhere, checkpoint, tmp_path: Path) -> None:
-    made = method(elsewhere, pretrained=checkpoint, average=0.9)
+    made = starting(elsewhere, checkpoint, average=0.9)
     trainer(tmp_path).fit(made, elsewhere)
     name = "sampler.generator.trajectory.out.weight"
     before, after = torch.load(checkpoint, weights_only=True)["state_dict"][name], made.state_dict()[name]
@@ -80,7 +87,7 @@ def test_an_average_may_begin_or_end(toy, elsewhere, checkpoint, tmp_path: Path)
 
 
 def test_a_test_needs_no_pretrained_file(toy, checkpoint, tmp_path: Path) -> None:
-    gone = method(toy, pretrained=tmp_path / "gone.ckpt", average=0.9)
+    gone = starting(toy, tmp_path / "gone.ckpt", average=0.9)
     trainer(tmp_path, fast_dev_run=1).test(gone, toy, ckpt_path=checkpoint, verbose=False)
 
 
@@ -106,7 +113,7 @@ def test_a_wrong_file_is_named(elsewhere, checkpoint, damage: str) -> None:
         torch.save({"weights": torch.zeros(3)}, checkpoint)
     if damage == "other program":
         torch.save({"state_dict": {"encoder.weight": torch.zeros(3)}}, checkpoint)
-    with pytest.raises(SagError, match=r"^--model\.init_args\.pretrained .*before\.ckpt"):
+    with pytest.raises(SagError, match=r"^--pretrained .*before\.ckpt"):
         prepared(elsewhere, checkpoint, average=0.9)
 
 
@@ -114,10 +121,14 @@ def test_the_command_line_names_a_missing_file(toy_cache: Path, tmp_path: Path, 
     tiny = tmp_path / "tiny.yaml"
     tiny.write_text(
         f"""
-model: {{init_args: {{network: {{width: 0.05}}, pretrained: {tmp_path}/none.ckpt}}}}
+pretrained: {tmp_path}/none.ckpt
+model: {{init_args: {{network: {{width: 0.05}}}}}}
 data: {{class_path: toy_data.ToyDataModule, init_args: {{cache_dir: {toy_cache}, image_size: [36, 64], batch_size: 4}}}}
 trainer: {{default_root_dir: {tmp_path}/run, accelerator: cpu, fast_dev_run: true}}
 """
     )
     assert main(["fit", "--config", str(CONFIGS / "base.yaml"), "--config", str(tiny)]) == 2
     assert f"pretrained {tmp_path}/none.ckpt is no file" in capsys.readouterr().err
+    erd = ["--config", str(CONFIGS / "methods/erd.yaml"), "--trainer.fast_dev_run=true"]
+    assert main(["fit", "--config", str(CONFIGS / "base.yaml"), "--config", str(tiny), *erd]) == 2
+    assert "--pretrained is set, but ERDTraining is no method" in capsys.readouterr().err

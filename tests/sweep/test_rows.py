@@ -125,7 +125,7 @@ def test_rows_start_in_the_checkpoints_of_their_namesakes(workplace):
     for name in names:
         workplace.write(f"before/{name}/checkpoints/last.ckpt", name)
     rows = planned(workplace, Additions(pretrained=folder))
-    starts = {row.name: f"--model.init_args.pretrained={folder}/{row.name}/checkpoints/last.ckpt" for row in rows}
+    starts = {row.name: f"--pretrained={folder}/{row.name}/checkpoints/last.ckpt" for row in rows}
     assert [row.name for row in rows if starts[row.name] in row.command] == names
     workplace.write(f"before/{names[0]}/checkpoints/last.ckpt", "trained again")
     again = planned(workplace, Additions(pretrained=folder))
