@@ -7,24 +7,31 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 DATA ?= rooms
 ROOT ?=
+GTA_IM ?=
 PRESET ?= quick
 JOBS ?= 2
 SEEDS ?= 1
 RUNS ?= runs
 EXTRA ?=
 
-data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT))
+data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT) \
+	$(if $(filter folder,$(DATA)),--set data.init_args.skeleton=$(ROOT)/skeleton.yaml))
 # Runs that do not compare have folders of their own.
 folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
-sweep = $(BIN)/sag sweep sweeps/$(1).yaml --out $(call folder,$(1)) --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) \
-	--config configs/presets/$(PRESET).yaml $(data_options) $(EXTRA) ; status=$$? ; \
+run = $(BIN)/sag sweep sweeps/$(1).yaml --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) --config configs/presets/$(PRESET).yaml
+sweep = $(call pretraining,$(1)) $(call run,$(1)) --out $(call folder,$(1)) $(data_options) $(EXTRA) \
+	$(if $(GTA_IM),--pretrained $(call folder,$(1))-pretraining) ; status=$$? ; \
 	[ $$status -gt 1 ] && exit $$status ; $(BIN)/sag report $(call folder,$(1)) && exit $$status
+# On PROX rows start in what they have learned on GTA-IM with the same 16 joints, where GTA_IM says where that is (paper, 4.3).
+pretraining = $(if $(GTA_IM),$(if $(filter-out prox,$(DATA)),$(error GTA_IM is for pre-training: give DATA=prox with it)) \
+	$(call run,$(1)) --out $(call folder,$(1))-pretraining --config configs/data/gta_im.yaml --set data.init_args.root=$(GTA_IM) \
+	--set data.init_args.skeleton=prox_16 $(EXTRA) || exit $$? ;)
 
 .PHONY: help
 help: ## Show this help.
 	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
 	@echo
-	@echo "  Options: DATA=rooms|gta_im  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+	@echo "  Options: DATA=rooms|gta_im|prox|folder  ROOT=folder of the data  GTA_IM=folder to pre-train on for PROX  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
 	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3, or of the benchmarks"
 
 $(VENV)/installed: pyproject.toml constraints.txt
@@ -44,6 +51,18 @@ ablation: install ## Train and test all 16 combinations of M, D, P, C and lay th
 .PHONY: table1
 table1: install ## The six rows of the paper's Table 1.
 	@$(call sweep,table1)
+
+.PHONY: table2
+table2: install ## The rows of the paper's Table 2: Motion FID of other methods and of SAG.
+	@$(call sweep,table2)
+
+.PHONY: table3
+table3: install ## The rows of the paper's Table 3: as Table 2, on PROX with DATA=prox ROOT=folder.
+	@$(call sweep,table3)
+
+.PHONY: table4
+table4: install ## The rows of the paper's Table 4: non-collision, on PROX with DATA=prox ROOT=folder.
+	@$(call sweep,table4)
 
 .PHONY: figure7
 figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far trajectories to one end point part.

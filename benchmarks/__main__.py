@@ -10,7 +10,7 @@ from pathlib import Path
 import torch
 from rich.console import Console
 
-from benchmarks import clip_features, collisions, evaluation, frechet
+from benchmarks import cache_reads, clip_features, collisions, evaluation, frechet
 from benchmarks.claim import Claim, Say
 from benchmarks.report import show, write
 
@@ -22,6 +22,7 @@ BENCHMARKS: dict[str, Benchmark] = {
     "features": clip_features.claims,
     "collisions": collisions.claims,
     "evaluation": evaluation.claims,
+    "cache": cache_reads.claims,
 }
 
 

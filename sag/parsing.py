@@ -8,6 +8,8 @@ import importlib
 import inspect
 import re
 
+from sag.errors import SagError
+
 UNION = re.compile(
     r"Problem with given class_path '([^']+)': (.*?)(?: - Expected a <class 'NoneType'>| - Problem with|$)"
 )
@@ -31,6 +33,13 @@ def one_sentence(message: str) -> str:
     heart = heart.split(" Given value type")[0].split(" Subtypes:")[0]
     sentence = f"{place}: {heart}" if place else heart
     return sentence.strip() + _nearest(heart, union.group(1) if union else None)
+
+
+def refusal(error: BaseException | None) -> SagError | None:
+    """What a class said against its options, where the parser hides it behind the types that it tried."""
+    while error is not None and not isinstance(error, SagError):
+        error = error.__cause__ or error.__context__
+    return error
 
 
 def _nearest(heart: str, class_path: str | None) -> str:

@@ -23,11 +23,16 @@ from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
 from sag.metrics.collisions.clear_frames import RADII
-from sag.parsing import one_sentence
+from sag.parsing import one_sentence, refusal
 from sag.report import show_scores
 from sag.scoring import Evaluation
 
-DATA_SETS = {"rooms": "sag.data.rooms.RoomsDataModule", "gta_im": "sag.data.gta_im.GtaImDataModule"}
+DATA_SETS = {
+    "rooms": "sag.data.rooms.RoomsDataModule",
+    "gta_im": "sag.data.gta_im.GtaImDataModule",
+    "prox": "sag.data.prox.ProxDataModule",
+    "folder": "sag.data.folder.FolderDataModule",
+}
 """Data sets that `--reference` knows by name."""
 
 
@@ -35,8 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Scores a file of motions beside the ground truth, prints both and writes them to a file."""
     options, data = _parsed(sys.argv[1:] if arguments is None else arguments)
     logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)
-    motions = Recorded(options.file, data.skeleton.name, options.evaluation)
-    truth = GroundTruth(data.skeleton.name, motions.evaluation)
+    motions = Recorded(options.file, data.skeleton.reference, options.evaluation)
+    truth = GroundTruth(data.skeleton.reference, motions.evaluation)
     truth.needs_encoders = False
     figures = _tested(motions, data)
     truth.windows = motions.windows
@@ -100,6 +105,8 @@ def _parsed(arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
         return _instantiated(parser, arguments)
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
+    except ValueError as error:
+        raise refusal(error) or error from None
 
 
 def _instantiated(parser: ArgumentParser, arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:

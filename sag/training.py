@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+from pathlib import Path
 from typing import Any
 
 import torch
@@ -15,7 +16,8 @@ from sag.callbacks import LastCheckpoint, MetricsFile, PredictionFile, ProgressF
 from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
-from sag.parsing import one_sentence
+from sag.methods.base import Method
+from sag.parsing import one_sentence, refusal
 from sag.trainer import Trainer
 
 LINKS = ("skeleton", "image_size")
@@ -42,6 +44,9 @@ class TrainingCLI(LightningCLI):
         """Adds `--components` and `--encoder_width`, and what methods take from the data."""
         parser.add_argument("--components", type=Components | None, default=None, help="which of M, D, P, C are on")
         parser.add_argument("--encoder_width", type=float, default=1.0, help="width of Motion FID's encoders")
+        parser.add_argument(
+            "--pretrained", type=Path | None, default=None, help="checkpoint of other data in which training starts"
+        )
         parser.link_arguments("components", "model.init_args.components")
         parser.link_arguments("encoder_width", "model.init_args.width")
         for name in LINKS:
@@ -56,6 +61,15 @@ class TrainingCLI(LightningCLI):
 
     def _parse_ckpt_path(self) -> None:
         """Leaves the config alone: by default a checkpoint's own hyper-parameters would overrule it."""
+
+    def instantiate_classes(self) -> None:
+        """Tells the method where its training starts."""
+        super().instantiate_classes()
+        start = self._get(self.config_init, "pretrained")
+        if start is not None and not isinstance(self.model, Method):
+            raise SagError(f"--pretrained is set, but {type(self.model).__name__} is no method: it starts anew")
+        if isinstance(self.model, Method):
+            self.model.pretrained = start
 
     def before_instantiate_classes(self) -> None:
         """Refuses components on a method that has none."""
@@ -84,6 +98,8 @@ def train(arguments: list[str]) -> int:
         )
     except ArgumentError as error:
         raise SagError(one_sentence(str(error))) from error
+    except ValueError as error:
+        raise refusal(error) or error from None
     finally:
         torch.set_flush_denormal(False)
         wandb.finish()

@@ -22,7 +22,7 @@ TINY = """
 model: {init_args: {network: {width: 0.05}}}
 data:
   class_path: toy_data.ToyDataModule
-  init_args: {cache_dir: CACHE, image_size: [36, 64], batch_size: 4}
+  init_args: {cache_dir: CACHE, skeleton: gta_im_19, image_size: [36, 64], batch_size: 4}
 trainer: {fast_dev_run: true, default_root_dir: RUN, accelerator: cpu}
 """
 

@@ -1,9 +1,12 @@
 import dataclasses
+import re
+from pathlib import Path
 
 import pytest
+import yaml
 
 from sag.errors import SagError
-from sag.skeleton import GTA_IM_19, SKELETONS, skeleton_named
+from sag.skeleton import GTA_IM_19, PROX_16, SKELETONS, skeleton_named
 
 ARM, LEG = ("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle")
 
@@ -60,3 +63,52 @@ def test_a_joint_in_two_groups_is_refused() -> None:
     parts = {**GTA_IM_19.parts, "head": ("head", "neck")}
     with pytest.raises(SagError, match="once"):
         dataclasses.replace(GTA_IM_19, parts=parts)
+
+
+def told(tmp_path: Path, **changes: object) -> Path:
+    """A file that tells `prox_16` under another name, with changes; nothing takes an entry away."""
+    content = {**PROX_16.description, "name": "mine", **changes}
+    path = tmp_path / "skeleton.yaml"
+    kept = {key: value for key, value in content.items() if value is not None}
+    path.write_text(yaml.safe_dump(kept, sort_keys=False))
+    return path
+
+
+def test_a_file_tells_a_skeleton(tmp_path: Path) -> None:
+    path = told(tmp_path)
+    read = skeleton_named(str(path))
+    assert read.description == {**PROX_16.description, "name": "mine"}
+    assert read.reference == str(path)
+    assert [level.nodes for level in read.levels] == [level.nodes for level in PROX_16.levels]
+    assert (read.levels[1].adjacency == PROX_16.levels[1].adjacency).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"joints": None}, "tells no name, joints"),
+        ({"joints": "head"}, "list of names"),
+        ({"bones": [["root", "chest", "neck"]]}, "tells no name, joints"),
+        ({"bones": [["chest", "neck"], ["root", "chest"]]}, "must come after"),
+        ({"bones": [["root", "chest"], ["root", "chest"]]}, "no other may lead to chest"),
+        ({"bones": [["root", "chest"]]}, "to all joints, unlike"),
+        ({"joints": [*PROX_16.joints, "head"]}, "a joint twice"),
+        ({"root": "tail"}, "must come after"),
+        ({"parts": {"all": ["head"]}}, "once"),
+        ({"name": "prox_16"}, "built in"),
+    ],
+)
+def test_a_file_that_tells_none_is_refused(tmp_path: Path, changes: dict[str, object], said: str) -> None:
+    path = told(tmp_path, **changes)
+    with pytest.raises(SagError, match=f"^{re.escape(str(path))}.*{said}"):
+        skeleton_named(str(path))
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"joints: [", b"", b"- 1"])
+def test_a_file_that_is_no_yaml_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "skeleton.yaml"
+    path.write_bytes(content)
+    with pytest.raises(SagError, match="tells no name"):
+        skeleton_named(str(path))
+    with pytest.raises(SagError, match="cannot be read"):
+        skeleton_named(str(tmp_path / "missing.yaml"))

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from sag.errors import SagError
-from sag.files import write_json
+from sag.files import sha256_of, write_json
 
 SPLITS = ("train", "val", "test")
 """Names of the splits; the `split` array holds a place in this tuple."""
@@ -56,15 +56,6 @@ VERIFIED = "verified.json"
 def recipe_hash(recipe: Mapping[str, Any]) -> str:
     """A short name for a recipe: equal recipes have equal names."""
     return hashlib.sha256(json.dumps(recipe, sort_keys=True).encode()).hexdigest()[:12]
-
-
-def sha256_of(path: Path) -> str:
-    """Checksum of a file."""
-    digest = hashlib.sha256()
-    with path.open("rb") as file:
-        while block := file.read(1 << 20):
-            digest.update(block)
-    return digest.hexdigest()
 
 
 @dataclass(frozen=True)

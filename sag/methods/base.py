@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
@@ -12,8 +13,10 @@ import torch
 from torch import Generator, Tensor
 
 from sag.data.base import MotionDataModule
-from sag.data.cache import sha256_of
 from sag.errors import SagError
+from sag.files import sha256_of
+from sag.methods.pretrained import pretrained_state
+from sag.methods.weights import check_shapes, check_skeleton
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
 from sag.scoring import Evaluation, Groups, Scores
@@ -32,6 +35,7 @@ class Method(pl.LightningModule):
         drawn: whether motions are drawn, so that they can differ from each other and from the truth.
         needs_encoders: whether a test without Motion FID's encoders is refused.
         windows: places in the data set of the test windows that are judged; all of them when None.
+        pretrained: checkpoint in which training starts, of the same method and skeleton on other data.
 
     Args:
         skeleton: name of the skeleton.
@@ -40,6 +44,7 @@ class Method(pl.LightningModule):
 
     drawn = True
     needs_encoders = True
+    pretrained: Path | None = None
 
     def __init__(self, skeleton: str, evaluation: Evaluation) -> None:
         super().__init__()
@@ -73,21 +78,28 @@ class Method(pl.LightningModule):
         return self.trainer.datamodule  # type: ignore[attr-defined]
 
     def setup(self, stage: str) -> None:
-        """Takes statistics before training; refuses to test or predict what was never trained."""
-        if stage == "fit":
+        """Before training, takes statistics of the data or everything of a checkpoint, its normalisation included."""
+        if stage != "fit":
+            return
+        if self.pretrained is None:
             self.prepare(self.data.training_motion)
+        else:
+            self.load_state_dict(pretrained_state(self.pretrained, self.state_dict(), self.skeleton))
+            self.print(f"training starts from {self.pretrained}, normalisation included")
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Notes which skeleton the weights are for."""
+        checkpoint["skeleton"] = self.skeleton.description
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Refuses weights of another method, other components or other sizes, in one sentence."""
-        found, own = checkpoint["state_dict"], self.state_dict()
-        differing = [k for k in sorted({*found, *own}) if _shape(found, k) != _shape(own, k)]
-        if differing:
-            key = differing[0]
-            raise SagError(
-                f"the checkpoint does not fit this {type(self).__name__}: {key} is {_shape(found, key)} there and "
-                f"{_shape(own, key)} here ({len(differing)} such); use the configs that it was trained with, "
-                "which lie in its run's folder"
-            )
+        """Refuses weights for another skeleton, of another method, other components or other sizes, in one sentence."""
+        check_skeleton("the checkpoint", checkpoint, self.skeleton)
+        check_shapes(
+            f"the checkpoint does not fit this {type(self).__name__}",
+            checkpoint["state_dict"],
+            self.state_dict(),
+            "use the configs that it was trained with, which lie in its run's folder",
+        )
 
     def _require_trained(self) -> None:
         if not self.trained and not self._only_wiring:
@@ -196,7 +208,3 @@ class Method(pl.LightningModule):
     def predict_step(self, batch: Batch, batch_idx: int) -> dict[str, Tensor]:
         """Motions for each window: `joints` (b, k, 65, j, 3) in metres, camera frame of frame 0, and `index`."""
         return {"joints": self._samples(batch, self.evaluation.samples), "index": batch.index}
-
-
-def _shape(state: dict[str, Tensor], key: str) -> str:
-    return str(list(state[key].shape)) if key in state else "missing"

@@ -13,6 +13,7 @@ from torch import Tensor, nn
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.models.erd import MotionEncoders
+from sag.skeleton import skeleton_named
 from sag.types import Batch
 
 
@@ -45,7 +46,8 @@ class ERDTraining(pl.LightningModule):
         retrain: bool = True,
     ) -> None:
         super().__init__()
-        self.encoders = MotionEncoders(skeleton, width)
+        chosen = skeleton_named(skeleton)
+        self.encoders = MotionEncoders(chosen.name, width, len(chosen.joints))
         self.learning_rate = learning_rate
         self.first_noise = first_noise
         self.last_noise = last_noise

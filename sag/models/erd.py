@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from sag.errors import SagError
 from sag.files import write_whole
-from sag.skeleton import skeleton_named
+from sag.skeleton import SKELETONS, skeleton_named
 
 FRAMES = (16, 32, 64)
 """Clip lengths that the three encoders of Motion FID are trained on (paper, 4.2)."""
@@ -78,14 +78,15 @@ class MotionEncoders(nn.Module):
     """The three ERDs of Motion FID, trained on clips of 16, 32 and 64 frames.
 
     Args:
-        skeleton: name of the skeleton, see `sag.skeleton.SKELETONS`.
+        skeleton: name of the skeleton.
         width: factor on the hidden sizes, see `ERD`.
+        joints: how many it has; those of `sag.skeleton.SKELETONS` need not tell.
     """
 
-    def __init__(self, skeleton: str, width: float = 1.0) -> None:
+    def __init__(self, skeleton: str, width: float = 1.0, joints: int | None = None) -> None:
         super().__init__()
         self.skeleton = skeleton
-        self.joints = len(skeleton_named(skeleton).joints)
+        self.joints = len(skeleton_named(skeleton).joints) if joints is None else joints
         self.width = width
         self.frames: tuple[int, ...] = FRAMES
         self.networks = nn.ModuleDict({str(frames): ERD(self.joints, width) for frames in FRAMES})
@@ -151,9 +152,11 @@ class MotionEncoders(nn.Module):
         for field, wanted in (("skeleton", skeleton), ("fingerprint", fingerprint)):
             if wanted is not None and content[field] != wanted:
                 raise SagError(f"{path} holds encoders for {field} {content[field]!r}, not {wanted!r}; {_AGAIN}")
-        encoders = cls(content["skeleton"], content["width"])
-        if encoders.joints != content["joints"]:
-            raise SagError(f"{path} holds encoders for {content['joints']} joints, not {encoders.joints}; {_AGAIN}")
+        name, joints = content["skeleton"], content["joints"]
+        known = SKELETONS.get(name)
+        if known is not None and len(known.joints) != joints:
+            raise SagError(f"{path} holds encoders for {joints} joints, not {len(known.joints)}; {_AGAIN}")
+        encoders = cls(name, content["width"], joints)
         encoders.load_state_dict(content["weights"])
         return encoders.eval().requires_grad_(False)
 

@@ -37,7 +37,7 @@ class Judged:
     ) -> None:
         self.batch, self.samples, self.data, self.encoders = batch, samples, data, encoders
         self.skeleton = data.skeleton
-        self.feet = self.skeleton.index("right_ankle", "left_ankle")
+        self.feet = self.skeleton.feet
 
     @property
     def joints(self) -> Float[Tensor, "b t j 3"]:

@@ -127,7 +127,7 @@ def sample_measures(data: MotionDataModule, encoders: ClipEncoders | None, sampl
 def scene_measures(data: MotionDataModule, evaluation: Evaluation) -> list[Measure]:
     """What needs the depth cloud, the floor or the known geometry of the scene."""
     rows = data.cache.rows("test")
-    feet, bones = data.skeleton.index("right_ankle", "left_ankle"), data.skeleton.bone_index
+    feet, bones = data.skeleton.feet, data.skeleton.bone_index
     protocol: dict[str, Any] = {
         "frames": max(1, min(GENERATED, round(evaluation.collision_frames / max(1, len(rows))))),
         "unit": evaluation.collision_unit,

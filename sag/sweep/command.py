@@ -28,10 +28,12 @@ class Additions:
     Attributes:
         configs: files laid over those of the sweep file.
         settings: `key=value`, after the configs.
+        pretrained: folder of another sweep, in whose checkpoints the rows of the same names start.
     """
 
     configs: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
+    pretrained: Path | None = None
 
     def arguments(self, settings: Sequence[str] | None = None, between: Sequence[str] = ()) -> list[str]:
         """The configs, what stands `between`, then the settings."""

@@ -54,6 +54,12 @@ def parser() -> argparse.ArgumentParser:
         metavar="KEY=VALUE",
         help="key set for every row, such as data.init_args.root=PATH; may be given again",
     )
+    made.add_argument(
+        "--pretrained",
+        type=Path,
+        metavar="DIR",
+        help="folder of the same sweep on other data: every row starts in the last checkpoint of its namesake there",
+    )
     made.add_argument("--dry-run", action="store_true", help="print the commands and run nothing")
     return made
 
@@ -69,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sweep = read_sweep(asked.file)
     out = asked.out or Path("runs") / sweep.name
     settings = tuple(setting.removeprefix("--") for setting in asked.set)
-    rows = plan(sweep, Additions(tuple(asked.config), settings), asked.seeds)
+    rows = plan(sweep, Additions(tuple(asked.config), settings, asked.pretrained), asked.seeds)
     console = Console()
     if asked.dry_run:
         for row in rows:

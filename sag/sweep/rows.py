@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import PurePath
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePath
 
 from sag.errors import SagError
+from sag.files import sha256_of
 from sag.letters import LETTERS, components_of, row_name
 from sag.sweep.command import Additions, command_hash, preparation_command, row_command, written
 from sag.sweep.definition import Point, Sweep
@@ -17,6 +18,7 @@ COMPONENTS = "components."
 ENCODERS = "configs/methods/erd.yaml"
 GROUND_TRUTH = "configs/methods/ground_truth.yaml"
 BLIND = "configs/methods/blind.yaml"
+PRETRAINED = "pretrained"
 
 
 @dataclass(frozen=True)
@@ -75,8 +77,19 @@ def _preparations(sweep: Sweep, additions: Additions) -> list[Row]:
 
 
 def _row(sweep: Sweep, name: str, point: Point, additions: Additions, after: str) -> Row:
+    if additions.pretrained is not None:
+        start = _start(additions.pretrained, name)
+        point, after = {**point, PRETRAINED: str(start)}, after + sha256_of(start)
     command = tuple(row_command(sweep, point, additions))
     return Row(name, command, command_hash(command, after))
+
+
+def _start(folder: Path, name: str) -> Path:
+    """The checkpoint in which a row starts, of the row of the same name in another sweep."""
+    path = folder / name / "checkpoints" / "last.ckpt"
+    if not path.is_file():
+        raise SagError(f"--pretrained {folder}: {path} is missing; run the same sweep to {folder} first, on other data")
+    return path
 
 
 def _blind(grid: Sequence[tuple[str, Point]]) -> dict[str, Point]:
@@ -96,7 +109,7 @@ def _without_components(point: Point, letters: str) -> Point:
 def _blinding(additions: Additions) -> Additions:
     """The additions of a call with the blind row's config, whose components no setting changes."""
     settings = tuple(setting for setting in additions.settings if not setting.startswith(COMPONENTS))
-    return Additions((*additions.configs, BLIND), settings)
+    return replace(additions, configs=(*additions.configs, BLIND), settings=settings)
 
 
 def _seeded(sweep: Sweep, seeds: int | None) -> list[Point]:

@@ -80,6 +80,11 @@ class Sequence:
         axes, place = camera(frame)
         return np.einsum("ij,tkj->tki", axes, self.joints[frames] - place)
 
+    def in_picture(self, frame: int) -> np.ndarray:
+        """(1, 21, 2) joints of a frame in pixels of its picture."""
+        pixels = self.in_camera(frame, slice(frame, frame + 1)) @ intrinsics().T
+        return pixels[..., :2] / pixels[..., 2:]
+
     def write(self, folder: Path, room: int = 1, pictured: Iterable[int] = range(6)) -> Path:
         folder.mkdir(parents=True)
         cameras = [camera(frame) for frame in range(self.frames)]
@@ -91,6 +96,7 @@ class Sequence:
             joints_3d_world=self.joints,
             world2cam_trans=world2cam,
             intrinsics=np.tile(intrinsics(), (self.frames, 1, 1)),
+            joints_2d=np.concatenate([self.in_picture(frame) for frame in range(self.frames)]),
         )
         (folder / "info_frames.pickle").write_bytes(pickle.dumps(self.clips))
         (folder / "realtimeinfo.gz").write_bytes(pickle.dumps({"frames": [], "setting": {"room": room}}))

@@ -2,13 +2,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from sag.data.gta_im import filters as why
-from sag.data.gta_im.filters import Limits, pixels_of, root_jumps
-from sag.data.gta_im.plan import planned
-from sag.data.gta_im.recording import Recording
-from sag.data.gta_im.splits import RoomSplit
+from sag.data.check.recordings import examine
+from sag.data.command import main
+from sag.data.gta_im.bones import FORWARD, cameras_of
+from sag.data.gta_im.reader import GTA_IM
+from sag.data.gta_im.recording import ROOT, Recording
 from sag.data.gta_im.views import person_id
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits, pixels_of, root_jumps
+from sag.data.recordings.plan import planned
+from sag.data.recordings.splits import RoomSplit
 
 PAPER = RoomSplit((1, 2, 3, 6, 10, 11), (10, 11, 13), 0.5, 0.05)
 
@@ -32,8 +37,44 @@ def test_every_frame_projects_to_the_published_2d_joints(original):
 
 
 @real
+def test_its_cameras_are_what_the_pickle_would_tell(original):
+    """The game tells angles in float32: those that the cameras come from are such numbers, so the order is right."""
+    camera = Rotation.from_matrix(original.world2cam[:, :3, :3]) * FORWARD.inv()
+    angles, places = camera.as_euler("xyz", degrees=True), np.linalg.inv(original.world2cam)[:, 3, :3]
+    fields = np.degrees(2 * np.arctan(540 / original.intrinsics[:, 0, 0]))
+    told = [
+        {"cam_pos": place, "cam_rot": angle, "cam_field_of_view": field}
+        for place, angle, field in zip(*(x.astype(np.float32).astype(float) for x in (places, angles, fields)))
+    ]
+    world2cam, intrinsics = cameras_of(told, (1080, 1920), original.folder)
+    np.testing.assert_allclose(world2cam, original.world2cam, atol=1e-9)
+    published = np.load(original.folder / "info_frames.npz")["joints_2d"]
+    seen = np.einsum("tji,tik->tjk", original.joints, world2cam[:, :3, :3]) + world2cam[:, 3:, :3]
+    pixels = np.einsum("tji,tki->tjk", seen, intrinsics)
+    assert np.abs(pixels[..., :2] / pixels[..., 2:] - published).max() < 1e-6
+    assert np.abs(angles - angles.astype(np.float32)).max() < 1e-10
+
+
+@real
+def test_the_check_tells_what_is_known_of_it(original, tmp_path, capsys):
+    found = examine(original.folder, Limits(), 3)
+    assert found.projection < 1e-6 and not found.broken and not found.incomplete and not found.zooms
+    assert found.jumps == [544, 581, 826, 923] and [cut.frame for cut in found.cuts] == [206, 407]
+    assert [tuple(round(f) for f in cut.focal) for cut in found.cuts] == [(1158, 1484), (1484, 1158)]
+    assert all(look.visible >= 10 and look.on_person >= 0.9 * look.visible for look in found.looks)
+    assert main(["check", str(REAL), "--pictures", "1", "--sheet", str(tmp_path / "sheet.png"), "--count", "2"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "frames 955 " in said and "pictures 21 frames" in said and "544, 581, 826, 923" in said
+    assert (
+        "camera cuts 2, which drop no window; between" in said
+        and "nothing is broken" in said
+        and (tmp_path / "sheet.png").exists()
+    )
+
+
+@real
 def test_the_known_teleports_are_found(original):
-    assert root_jumps(original, Limits()) == [544, 581, 826, 923]
+    assert root_jumps(original.joints[:, ROOT], Limits()) == [544, 581, 826, 923]
 
 
 @real
@@ -50,6 +91,6 @@ def test_the_persons_mask_holds_most_visible_joints(original):
 
 @real
 def test_the_real_recording_has_a_window_for_each_picture(original):
-    plan = planned([original.folder], 5, Limits(), PAPER)
+    plan = planned([original.folder], 5, Limits(), PAPER, GTA_IM)
     assert [w.start for w in plan.windows if w.split == "test"] == list(range(638, 659))
     assert plan.dropped == {why.NO_PICTURE: 870} and plan.size == (1080, 1920)

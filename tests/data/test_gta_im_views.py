@@ -7,9 +7,10 @@ import torch
 from gta_im_files import COLUMNS, ROWS, SIZE, Sequence, module
 
 from sag.data.gta_im import GtaImDataModule
-from sag.data.gta_im.filters import Limits, pixels_of
 from sag.data.gta_im.recording import Recording, joint_places, planar_depth
-from sag.data.gta_im.views import WindowFormat, depth_cloud, person_id, small_ids
+from sag.data.gta_im.views import person_id
+from sag.data.recordings.filters import Limits, pixels_of
+from sag.data.recordings.views import WindowFormat, depth_cloud, small_ids
 from sag.geometry.camera import point_cloud, project
 from sag.skeleton import GTA_IM_19, PROX_16
 from sag.types import FRAMES

@@ -6,10 +6,11 @@ import pytest
 from gta_im_files import COLUMNS, ROWS, Sequence, module
 from PIL import Image
 
-from sag.data.gta_im import filters as why
-from sag.data.gta_im.filters import Limits, usable_starts
+from sag.data.gta_im.filters import usable_starts
 from sag.data.gta_im.recording import JOINTS, Recording
-from sag.data.gta_im.splits import RoomSplit
+from sag.data.recordings import filters as why
+from sag.data.recordings.filters import Limits
+from sag.data.recordings.splits import RoomSplit
 from sag.types import FRAMES
 
 PAPER = RoomSplit((1, 2, 3, 6, 10, 11), (10, 11, 13), 0.5, 0.05)

@@ -66,6 +66,24 @@ def test_plain_content_is_unchanged(tmp_path, content):
     assert load_pickle(written(tmp_path, [content])) == [content]
 
 
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_honest_pickles_are_never_called_copies(tmp_path, protocol):
+    shared = np.arange(250_000.0)
+    content = {
+        "small": [np.array([n % 2 == 0]) for n in range(500)],
+        "numbers": [np.float32(n) for n in range(500)],
+        "high": np.full(9999, 255, np.uint8),
+        "shared": [shared] * 500,
+        "sets": [frozenset({n}) for n in range(500)],
+        ("keys", 1): {(n, "x"): None for n in range(500)},
+    }
+    found = load_pickle(written(tmp_path, content, protocol))
+    assert [bool(x[0]) for x in found["small"]] == [n % 2 == 0 for n in range(500)]
+    assert found["numbers"] == content["numbers"] and found["sets"] == content["sets"]
+    assert (found["high"] == 255).all() and found["shared"][0] is found["shared"][499]
+    assert found["keys", 1] == content["keys", 1]
+
+
 def test_arrays_can_be_written_to(tmp_path):
     found = load_pickle(written(tmp_path, {"a": np.zeros(3)}))
     found["a"][0] = 1

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sag.data.rays import RayScene
 from sag.data.rooms.floors import patch_triangles, random_floor
 from sag.data.rooms.furniture import MAKERS
 from sag.data.rooms.geometry import FloorPatch, RoomGeometry, Seat, Solid
 from sag.data.rooms.layout import random_room
-from sag.data.rooms.rays import RayScene
 from sag.data.rooms.room import Room
 
 ROOMS = range(8)

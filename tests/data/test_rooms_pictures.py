@@ -8,12 +8,12 @@ import torch
 import trimesh
 
 from sag.data.cache import DEPTH_UNIT, PERSON
+from sag.data.rays import RayScene
 from sag.data.rooms.cameras import Camera
 from sag.data.rooms.figure import Outfit, figure
 from sag.data.rooms.filming import Shoot
 from sag.data.rooms.lofts import ellipsoid, loft, tapered
 from sag.data.rooms.materials import PATTERNS, Material, Palette, noise
-from sag.data.rooms.rays import RayScene
 from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.data.rooms.render import Solids, Stand, View, brightness, cloud_depth, render
 from sag.data.rooms.surfaces import SurfaceList

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ from toy_data import ToyDataModule
 from sag.components import Components, Network
 from sag.errors import SagError
 from sag.methods import SAG
+from sag.skeleton import GTA_IM_19
 from sag.trainer import Trainer
 
 SMALL = Network(width=0.05, critic_norm="layer")
@@ -97,6 +99,15 @@ def test_a_checkpoint_of_another_row_is_refused(toy: ToyDataModule, tmp_path: Pa
     other = method(toy, components=Components(context=False))
     with pytest.raises(SagError, match=r"does not fit this SAG: critics\.context"):
         trainer(tmp_path, fast_dev_run=1).test(other, toy, ckpt_path=tmp_path / "x.ckpt", verbose=False)
+
+
+def test_a_checkpoint_for_another_skeleton_is_refused(toy: ToyDataModule, tmp_path: Path) -> None:
+    """As many joints and groups, so that every weight would fit, but in another order."""
+    made = trained(toy, tmp_path)
+    made.skeleton = replace(GTA_IM_19, name="turned", joints=GTA_IM_19.joints[::-1])
+    made.trainer.save_checkpoint(tmp_path / "x.ckpt")
+    with pytest.raises(SagError, match=r"trained on the skeleton turned \(19 joints\).*--data\.init_args\.skeleton"):
+        trainer(tmp_path, fast_dev_run=1).test(method(toy), toy, ckpt_path=tmp_path / "x.ckpt", verbose=False)
 
 
 @pytest.mark.parametrize("damage", ["missing", "truncated", "no state"])

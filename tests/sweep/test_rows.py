@@ -117,6 +117,21 @@ def test_blind_rows_follow_what_varies_besides_components(workplace, parameters,
     assert {row.name: row.command for row in rows} == wanted
 
 
+def test_rows_start_in_the_checkpoints_of_their_namesakes(workplace):
+    folder = workplace.folder / "before"
+    with pytest.raises(SagError, match=r"--pretrained .*before: .*none/checkpoints/last\.ckpt is missing; run"):
+        planned(workplace, Additions(pretrained=folder))
+    names = [row.name for row in planned(workplace) if row.typical]
+    for name in names:
+        workplace.write(f"before/{name}/checkpoints/last.ckpt", name)
+    rows = planned(workplace, Additions(pretrained=folder))
+    starts = {row.name: f"--pretrained={folder}/{row.name}/checkpoints/last.ckpt" for row in rows}
+    assert [row.name for row in rows if starts[row.name] in row.command] == names
+    workplace.write(f"before/{names[0]}/checkpoints/last.ckpt", "trained again")
+    again = planned(workplace, Additions(pretrained=folder))
+    assert [new.name for new, old in zip(again, rows) if new.fingerprint != old.fingerprint] == names[:1]
+
+
 def test_other_programs_have_no_blind_row(workplace):
     workplace.write("sweep.yaml", "{program: p, parameters: {components.depth: {values: [true, false]}}}")
     assert [row.name for row in planned(workplace)] == ["d", "none"]

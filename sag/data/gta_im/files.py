@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from sag.data.archives import ROWS_LIMIT, read_archive
 from sag.data.pickles import load_pickle
 from sag.errors import SagError
 
@@ -17,6 +20,12 @@ FAR_CLIP = 800.0
 SHAPES = {"joints_3d_world": (21, 3), "world2cam_trans": (4, 4), "intrinsics": (3, 3)}
 """Arrays of `info_frames.npz` that are read, and the shape of one frame."""
 
+ARCHIVE, PICKLE, REALTIME = "info_frames.npz", "info_frames.pickle", "realtimeinfo.gz"
+"""Names of the files: joints and cameras, what else is told of the frames, and of the recording."""
+
+Frame = Mapping[str, Any]
+"""What `info_frames.pickle` tells of one frame."""
+
 
 def read_arrays(path: Path) -> dict[str, np.ndarray]:
     """Joints and cameras of a recording by the names of `SHAPES`, float64.
@@ -24,30 +33,47 @@ def read_arrays(path: Path) -> dict[str, np.ndarray]:
     Raises:
         SagError: the archive is missing, damaged or of another layout.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: np.asarray(file[name], np.float64) for name in SHAPES}
-    except Exception as error:  # a damaged archive can raise anything
-        raise SagError(f"{path} cannot be read ({error}); restore the original file") from error
-    frames = len(arrays["joints_3d_world"])
-    for name, array in arrays.items():
-        if array.shape != (frames, *SHAPES[name]) or not np.isfinite(array).all():
-            raise SagError(f"{path} holds {name} of shape {array.shape} or with numbers that are not finite")
-    return arrays
+    return read_archive(path, SHAPES)
 
 
-def read_clips(path: Path) -> Float[np.ndarray, "t 2"]:
-    """Distances of the near and the far clip plane in every frame, metres; not a number where unknown.
+def read_frames(path: Path) -> Sequence[Frame]:
+    """What `info_frames.pickle` tells of each frame.
 
     Raises:
-        SagError: the pickle is refused, damaged or of another layout.
+        SagError: the pickle is refused, damaged or of another layout, or tells one frame twice.
     """
     frames = load_pickle(path)
-    try:
-        clips = [(float(f.get("cam_near_clip", np.nan)), float(f.get("cam_far_clip", FAR_CLIP))) for f in frames]
-    except (TypeError, ValueError, AttributeError) as error:
-        raise SagError(f"{path} is no list of frames with cam_near_clip ({error!r})") from error
-    return np.array(clips).reshape(-1, 2)
+    if not isinstance(frames, list) or not frames or not all(isinstance(frame, dict) for frame in frames):
+        raise SagError(f"{path} is no list of frames with cam_near_clip; restore the original file")
+    if len(frames) > ROWS_LIMIT:
+        raise SagError(f"{path} has {len(frames):,} frames, more than the {ROWS_LIMIT:,} allowed")
+    times = Counter(str(frame["time"])[:40] for frame in frames if "time" in frame)
+    for time, count in times.most_common(1):
+        if count > 1:
+            raise SagError(f"{path} tells the frame of time {time} {count} times; restore the original file")
+    return frames
+
+
+def clips_of(frames: Sequence[Frame], path: Path) -> Float[np.ndarray, "t 2"]:
+    """Distances of the near and the far clip plane in every frame, metres; not a number where unknown.
+
+    Args:
+        frames: of a recording.
+        path: of their file, for the error.
+
+    Raises:
+        SagError: a distance is no number, or the planes are not in order before the camera.
+    """
+    clips = np.full((len(frames), 2), np.nan)
+    for place, frame in enumerate(frames):
+        try:
+            clips[place] = frame.get("cam_near_clip", np.nan), frame.get("cam_far_clip", FAR_CLIP)
+        except (TypeError, ValueError) as error:
+            raise SagError(f"{path} is no list of frames with cam_near_clip: frame {place} ({error})") from error
+        near, far = clips[place].tolist()
+        if "cam_near_clip" in frame and not 0 < near < far < np.inf:
+            raise SagError(f"{path} has clip planes at {near:g} and {far:g} metres in frame {place}")
+    return clips
 
 
 def read_room(path: Path) -> int:
@@ -59,6 +85,9 @@ def read_room(path: Path) -> int:
     # A plain pickle in spite of its name.
     content: Any = load_pickle(path)
     try:
-        return int(content["setting"]["room"])
-    except (TypeError, ValueError, KeyError) as error:
+        room = int(content["setting"]["room"])
+    except (TypeError, ValueError, KeyError, OverflowError) as error:
         raise SagError(f'{path} tells no ["setting"]["room"] ({error!r})') from error
+    if not 0 <= room < 1 << 31:
+        raise SagError(f'{path} tells the ["setting"]["room"] {str(room)[:20]}, which is no number of a scene')
+    return room

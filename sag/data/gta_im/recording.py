@@ -8,10 +8,14 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, Int
 
-from sag.data.gta_im.files import read_arrays, read_clips, read_room
-from sag.data.pictures import read_24_bit, read_colour
+from sag.data.gta_im.bones import cameras_of, joints_of
+from sag.data.gta_im.cameras import check_cameras, check_places
+from sag.data.gta_im.files import ARCHIVE, PICKLE, REALTIME, clips_of, read_arrays, read_frames, read_room
+from sag.data.paths import contained
+from sag.data.pictures import picture_size, read_24_bit, read_colour, refuse_cut_off
+from sag.data.recordings.views import Picture
 from sag.errors import SagError
 from sag.skeleton import Skeleton
 
@@ -24,8 +28,13 @@ JOINTS = (
 )  # fmt: skip
 """The 21 joints in the order of the files, by the names that `sag.skeleton` gives them."""
 
+ROOT = JOINTS.index("root")
+
 CHEST = "spine0"
 """The top of the spine, which other skeletons call the chest."""
+
+NATIVE = (1080, 1920)
+"""Rows and columns of the original pictures."""
 
 _SUFFIXES = (".jpg", ".png", "_id.png")
 
@@ -49,7 +58,7 @@ class Recording:
     Attributes:
         folder: its files.
         room: number of the scene.
-        joints: metres, world frame (z up).
+        joints: metres, world frame (z up); not a number where one is missing.
         world2cam: row vectors, `[x, 1] @ world2cam` is in the camera frame (x right, y down, z forward).
         intrinsics: camera matrix in pixels of the native picture.
         clips: distances of the near and the far clip plane, metres; not a number where unknown.
@@ -64,23 +73,26 @@ class Recording:
 
     @classmethod
     def read(cls, folder: Path) -> Recording:
-        """Reads everything but the pictures.
+        """Reads everything but the pictures; without `info_frames.npz` from the pickle alone.
 
         Raises:
-            SagError: a file is missing, damaged or of another layout.
+            SagError: a file is missing, damaged or of another layout, or tells what cannot be, or the folder is a link
+                that leads elsewhere.
         """
-        arrays = read_arrays(folder / "info_frames.npz")
-        clips = np.full((len(arrays["intrinsics"]), 2), np.nan)
-        told = read_clips(folder / "info_frames.pickle")[: len(clips)]
-        clips[: len(told)] = told
-        return cls(
-            folder,
-            read_room(folder / "realtimeinfo.gz"),
-            arrays["joints_3d_world"],
-            arrays["world2cam_trans"],
-            arrays["intrinsics"],
-            clips,
-        )
+        contained(folder, folder.parent)
+        frames, told = read_frames(folder / PICKLE), folder / PICKLE
+        if (folder / ARCHIVE).exists():
+            told = folder / ARCHIVE
+            joints, world2cam, intrinsics = read_arrays(told).values()
+        else:
+            joints = joints_of(frames, told)
+            world2cam, intrinsics = cameras_of(frames, _picture_size(folder), told)
+        check_places(joints, told)
+        check_cameras(world2cam, intrinsics, told)
+        clips = np.full((len(joints), 2), np.nan)
+        known = clips_of(frames, folder / PICKLE)[: len(clips)]
+        clips[: len(known)] = known
+        return cls(folder, read_room(folder / REALTIME), joints, world2cam, intrinsics, clips)
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -89,7 +101,7 @@ class Recording:
     def pictured(self) -> frozenset[int]:
         """Frames that have colour, depth and ids."""
         names = {path.name for path in self.folder.iterdir()}
-        frames = (int(n[:5]) for n in names if n[5:] == ".jpg" and n[:5].isdecimal())
+        frames = (int(n[:5]) for n in names if n[5:] == ".jpg" and n[:5].isdecimal() and n.isascii())
         return frozenset(f for f in frames if all(self._file(f, s).name in names for s in _SUFFIXES))
 
     @property
@@ -108,9 +120,10 @@ class Recording:
         """Colour, depth and ids of a frame.
 
         Raises:
-            SagError: a picture is damaged or of another size than the camera.
+            SagError: a picture is damaged, cut off or of another size than the camera.
         """
         colour = read_colour(self._file(frame, ".jpg"))
+        refuse_cut_off(colour, self._file(frame, ".jpg"))
         codes, ids = (read_24_bit(self._file(frame, s)) for s in (".png", "_id.png"))
         if not colour.shape[:2] == codes.shape == ids.shape == self.size:
             raise SagError(f"{self._file(frame, '.jpg')}, its depth and its ids are not all of {self.size} pixels")
@@ -118,23 +131,6 @@ class Recording:
 
     def _file(self, frame: int, suffix: str) -> Path:
         return self.folder / f"{frame:05d}{suffix}"
-
-
-@dataclass(frozen=True)
-class Picture:
-    """What the camera saw in one frame, at native resolution.
-
-    Attributes:
-        colour: colours.
-        depth: planar z, metres, 0 where it is not known.
-        ids: 24-bit numbers of instances, 0 is the background.
-        intrinsics: camera matrix in pixels of this picture.
-    """
-
-    colour: UInt8[np.ndarray, "h w 3"]
-    depth: Float[np.ndarray, "h w"]
-    ids: Int[np.ndarray, "h w"]
-    intrinsics: Float[np.ndarray, "3 3"]
 
 
 def planar_depth(codes: Int[np.ndarray, "h w"], near: float, far: float) -> Float[np.ndarray, "h w"]:
@@ -151,5 +147,13 @@ def planar_depth(codes: Int[np.ndarray, "h w"], near: float, far: float) -> Floa
 
 
 def recordings_in(folder: Path) -> Iterator[Path]:
-    """Folders of recordings, in order of their names."""
-    return (path.parent for path in sorted(folder.glob("*/info_frames.npz")))
+    """Folders of recordings, in order of their names: those that hold any of their three files."""
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if any((path / name).exists() for name in (ARCHIVE, PICKLE, REALTIME)):
+            yield path
+
+
+def _picture_size(folder: Path) -> tuple[int, int]:
+    """Rows and columns of a recording's pictures, by the first."""
+    first = min(folder.glob("[0-9][0-9][0-9][0-9][0-9].jpg"), default=None)
+    return NATIVE if first is None else picture_size(first)

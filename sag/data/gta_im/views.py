@@ -1,19 +1,13 @@
-"""What the cache stores of one window: motion, recentred picture and depth cloud."""
+"""What the cache stores of one window of GTA-IM."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-import torch
-from jaxtyping import Bool, Float, Int, UInt8, UInt16
-from scipy.ndimage import binary_dilation
+from jaxtyping import Float
 
-from sag.data.cache import DEPTH_UNIT, PERSON
-from sag.data.gta_im.filters import ROOT, Limits, inside_picture, pixels_of
-from sag.data.gta_im.recording import Picture, Recording
-from sag.data.pictures import Box, area_averaged, nearest
-from sag.geometry.camera import recentred
+from sag.data.gta_im.recording import ROOT, Recording
+from sag.data.recordings.filters import inside_picture, pixels_of
+from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
 from sag.types import FRAMES
 
 BEFORE_JOINT = 0.3
@@ -21,28 +15,6 @@ BEFORE_JOINT = 0.3
 
 BEHIND_JOINT = 0.1
 """How far the visible skin may lie behind its joint, metres."""
-
-
-@dataclass(frozen=True)
-class WindowFormat:
-    """How windows are stored.
-
-    Attributes:
-        joints: places of the skeleton's joints among the 21 of the files.
-        image_size: rows and columns of the picture.
-        cloud_step: of the native picture every so many rows and columns go to the cloud.
-        limits: what a window must keep to.
-    """
-
-    joints: list[int]
-    image_size: tuple[int, int]
-    cloud_step: int
-    limits: Limits
-
-    def cloud_size(self, rows: int, columns: int) -> tuple[int, int]:
-        """Rows and columns of the cloud of a native picture."""
-        first, step = self.cloud_step // 2, self.cloud_step
-        return len(range(first, rows, step)), len(range(first, columns, step))
 
 
 def stored_window(
@@ -65,7 +37,7 @@ def stored_window(
     if person is None:
         return None
     window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start].T}
-    window |= _centred_picture(picture, joints[0, ROOT], person, form)
+    window |= centred_picture(picture, joints[0, ROOT], person, form)
     return window | (depth_cloud(picture, person, form) if with_cloud else {})
 
 
@@ -83,48 +55,3 @@ def person_id(picture: Picture, joints: Float[np.ndarray, "j 3"]) -> int | None:
     ids = picture.ids[rows, columns][(before < BEFORE_JOINT) & (before > -BEHIND_JOINT)]
     values, counts = np.unique(ids[ids > 0], return_counts=True)
     return int(values[counts.argmax()]) if len(values) else None
-
-
-def _centred_picture(
-    picture: Picture, root: Float[np.ndarray, " 3"], person: int, form: WindowFormat
-) -> dict[str, np.ndarray]:
-    """Picture, depth, ids and intrinsics with the start root at the centre."""
-    rows, columns = form.image_size
-    scale = columns / picture.depth.shape[1]
-    native = torch.from_numpy(picture.intrinsics)[None]
-    intrinsics = recentred(native, torch.from_numpy(root)[None], form.image_size, scale)[0].numpy()
-    left, top = (picture.intrinsics[:2, 2] * scale - intrinsics[:2, 2]) / scale
-    box: Box = (left, top, left + columns / scale, top + rows / scale)
-    return {
-        "image": area_averaged(picture.colour, box, form.image_size),
-        "depth": stored_depth(nearest(picture.depth, box, form.image_size), form.limits),
-        "ids": small_ids(nearest(picture.ids, box, form.image_size), person),
-        "intrinsics": intrinsics,
-    }
-
-
-def depth_cloud(picture: Picture, person: int, form: WindowFormat) -> dict[str, np.ndarray]:
-    """Uncropped depth without the person, and its intrinsics.
-
-    The person's mask is widened by a pixel: at its rim a pixel can hold depth and id of different surfaces.
-    """
-    step, first = form.cloud_step, form.cloud_step // 2
-    scene: Bool[np.ndarray, "h w"] = ~binary_dilation(picture.ids == person, np.ones((3, 3)))
-    intrinsics = picture.intrinsics.copy()
-    intrinsics[:2] /= step
-    # The centre of the cloud's first pixel is the centre of the native pixel that it takes.
-    intrinsics[:2, 2] += 0.5 - (first + 0.5) / step
-    depth = stored_depth(np.where(scene, picture.depth, 0)[first::step, first::step], form.limits)
-    return {"cloud_depth": depth, "cloud_intrinsics": intrinsics}
-
-
-def stored_depth(depth: Float[np.ndarray, "h w"], limits: Limits) -> UInt16[np.ndarray, "h w"]:
-    """Depth (metres) in steps of `DEPTH_UNIT`, 0 beyond the farthest."""
-    return np.rint(np.where(depth <= limits.farthest_depth, depth, 0) / DEPTH_UNIT).astype(np.uint16)
-
-
-def small_ids(ids: Int[np.ndarray, "h w"], person: int) -> UInt8[np.ndarray, "h w"]:
-    """Ids in a byte: 0 stays, the person is `PERSON`, the others count from 1 and share the last beyond 254."""
-    others = np.setdiff1d(ids, [0, person])
-    places = np.minimum(np.searchsorted(others, ids) + 1, PERSON - 1)
-    return np.select([ids == 0, ids == person], [0, PERSON], places).astype(np.uint8)

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import io
 import json
-import multiprocessing
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
-from rich.progress import track
 
 from sag.data.cache import ARRAYS, SPLITS, WindowCache, write_cache
 from sag.data.rooms.filming import Shoot
@@ -24,6 +20,7 @@ from sag.data.rooms.geometry import geometry_file
 from sag.data.rooms.person import FRAME_RATE
 from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.data.rooms.windows import Row, windows
+from sag.data.workers import shared_out
 from sag.errors import SagError
 from sag.skeleton import GTA_IM_19
 
@@ -70,15 +67,7 @@ def load_contact(cache: WindowCache) -> Bool[np.ndarray, "n 65"]:
 
 def _filmed(recipe: Recipe, scratch: Path, workers: int) -> Iterator[tuple[bytes, Counter[str]]]:
     """Geometry and dropped windows of each room, in order; the rows are left in the scratch folder."""
-    film = partial(_film, recipe, scratch)
-    say = partial(track, description="rooms: building", total=recipe.rooms)
-    if workers <= 1:
-        yield from say(map(film, range(recipe.rooms)))
-        return
-    # A forked worker starts at once; spawning would import torch again in each.
-    context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        yield from say(pool.map(film, range(recipe.rooms)))
+    return shared_out(partial(_film, recipe, scratch), recipe.rooms, workers, "rooms: building")
 
 
 def _film(recipe: Recipe, scratch: Path, number: int) -> tuple[bytes, Counter[str]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from sag.data.rooms.rays import RayScene
+from sag.data.rays import RayScene
 from sag.data.rooms.room import Room
 
 NEAREST, FARTHEST = 1.6, 7.0

@@ -5,22 +5,16 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from sag.data.cache import SPLITS, WindowCache
 from sag.data.rooms.build import load_contact
 from sag.data.rooms.filming import Shoot
 from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.data.rooms.windows import ROOT, picture_of
+from sag.data.sheet import Tile, draw_sheet, projected
 from sag.skeleton import GTA_IM_19
-
-EVERY = 13
-"""Frames from one drawn skeleton to the next."""
 
 STILL = 0.35
 """A root that moves less than this in a window (metres) is said to stand."""
@@ -47,18 +41,8 @@ def sheet(cache: WindowCache, path: Path, count: int = 12, columns: int = 3) -> 
         SagError: the cache holds no rooms, or was made by another version.
     """
     recipe, kinds = Recipe.from_dict(cache.index["recipe"]), _kinds(cache, load_contact(cache))
-    chosen = _spread(cache, kinds, count)
-    lines = -(-len(chosen) // columns)
-    figure = Figure(figsize=(columns * 5.2, lines * 3.15), layout="constrained")
-    axes = np.ravel(figure.subplots(lines, columns, squeeze=False))
-    for place, row in zip(axes, chosen):
-        place.imshow(_picture(cache, recipe, int(row)), extent=(0, CLOUD_SIZE[1], CLOUD_SIZE[0], 0))
-        _draw(place, _projected(cache, int(row)))
-        place.set_title(_caption(cache, str(kinds[row]), int(row)), fontsize=9)
-    for place in axes:
-        place.axis("off")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    tiles = [_tile(cache, recipe, row, str(kinds[row])) for row in _spread(cache, kinds, count).tolist()]
+    draw_sheet(tiles, GTA_IM_19, path, columns)
 
 
 def _spread(cache: WindowCache, kinds: np.ndarray, count: int) -> Int[np.ndarray, " n"]:
@@ -99,25 +83,11 @@ def _picture(cache: WindowCache, recipe: Recipe, row: int) -> np.ndarray:
     return picture_of(recording, shoot.scenery, int(cache.start[row]), CLOUD_SIZE).image
 
 
-def _projected(cache: WindowCache, row: int) -> Float[np.ndarray, "65 19 2"]:
-    """Joints in pixels of a picture of the paper's size."""
-    pixels = cache.joints[row] @ cache.intrinsics[row].T
-    return pixels[..., :2] / np.maximum(pixels[..., 2:], 1e-6) * (CLOUD_SIZE[0] / cache.image.shape[1])
-
-
-def _draw(axes: Axes, joints: Float[np.ndarray, "65 19 2"]) -> None:
-    """Skeletons and the root's way, coloured by time."""
-    colours = matplotlib.colormaps["plasma"]
-    for frame in range(EVERY, len(joints), EVERY):
-        bones = joints[frame][GTA_IM_19.bone_index]
-        axes.add_collection(LineCollection(list(bones), colors=[colours(frame / len(joints))], linewidths=1.3))
-    root = joints[:, ROOT]
-    trail = LineCollection(
-        list(np.stack([root[:-1], root[1:]], axis=1)), array=np.arange(len(root) - 1), cmap="plasma", linewidths=2
-    )
-    axes.add_collection(trail)
-    axes.set_xlim(0, CLOUD_SIZE[1])
-    axes.set_ylim(CLOUD_SIZE[0], 0)
+def _tile(cache: WindowCache, recipe: Recipe, row: int, kind: str) -> Tile:
+    """A window at the paper's size."""
+    image = _picture(cache, recipe, row)
+    joints = projected(cache.joints[row], cache.intrinsics[row]) * (len(image) / cache.image.shape[1])
+    return Tile(image, joints, _caption(cache, kind, row))
 
 
 def _caption(cache: WindowCache, kind: str, row: int) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
 from sag.data.cache import DEPTH_UNIT, PERSON
+from sag.data.rays import SKIN, RayScene, dot
 from sag.data.rooms.cameras import Camera
-from sag.data.rooms.rays import SKIN, RayScene, dot
 from sag.data.rooms.surfaces import Surfaces
 
 AMBIENT, DIFFUSE = 0.46, 0.72

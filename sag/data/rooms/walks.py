@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from sag.data.rays import RayScene
 from sag.data.rooms.acting import SEAT_APPROACH, Actor, Clip
 from sag.data.rooms.cameras import Camera
 from sag.data.rooms.geometry import Seat
 from sag.data.rooms.grid import CLEARANCE
 from sag.data.rooms.person import FRAME_RATE
 from sag.data.rooms.placed import Placed
-from sag.data.rooms.rays import RayScene
 from sag.data.rooms.room import Room
 from sag.data.rooms.routes import SPACING, Router
 

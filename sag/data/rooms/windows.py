@@ -90,13 +90,19 @@ def windows(recording: Recording, scenery: Scenery, size: tuple[int, int], dropp
         size: rows and columns of the pictures.
         dropped: windows left out, counted here by reason.
     """
+    for start in usable_starts(recording, scenery, dropped):
+        yield stored_window(recording, scenery, start, size)
+
+
+def usable_starts(recording: Recording, scenery: Scenery, dropped: Counter[str]) -> Iterator[int]:
+    """Frames at which windows start that can be used, of one every five; the others are counted by reason."""
     local = recording.camera.to_camera(recording.joints)
     for start in range(0, len(local) - FRAMES + 1, STRIDE):
         reason = _fault(local[start : start + FRAMES], recording, start, scenery)
         if reason:
             dropped[reason] += 1
         else:
-            yield stored_window(recording, scenery, start, size)
+            yield start
 
 
 def _fault(joints: Float[np.ndarray, "65 19 3"], recording: Recording, start: int, scenery: Scenery) -> str:

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+Room = int | str
+"""A room as its data set tells it: by number or by name."""
+
 FALLBACK_TEST_SHARE = 0.3
 """Share of the recordings that test when the rooms cannot decide; the paper's is 30 of 100."""
 
@@ -36,18 +39,18 @@ class RoomSplit:
     not say which.
 
     Attributes:
-        train_rooms: room numbers.
-        test_rooms: room numbers.
+        train_rooms: rooms to train on.
+        test_rooms: rooms to test on.
         shared_test_share: share of a shared room's recordings that test.
         val_share: share of the training recordings that are held out.
     """
 
-    train_rooms: tuple[int, ...]
-    test_rooms: tuple[int, ...]
+    train_rooms: tuple[Room, ...]
+    test_rooms: tuple[Room, ...]
     shared_test_share: float
     val_share: float
 
-    def divided(self, rooms: Sequence[int]) -> Split:
+    def divided(self, rooms: Sequence[Room]) -> Split:
         """The split of recordings, given the room of each.
 
         With too few recordings some train and test on the same windows, and a note says so.
@@ -64,7 +67,7 @@ class RoomSplit:
             return Split(train, train[:1], test, notes)
         return Split(tuple(i for i in train if i not in val), val, test, notes)
 
-    def _test_recordings(self, rooms: Sequence[int]) -> tuple[int, ...]:
+    def _test_recordings(self, rooms: Sequence[Room]) -> tuple[int, ...]:
         test: list[int] = []
         for room in self.test_rooms:
             inside = [i for i, r in enumerate(rooms) if r == room]
@@ -72,13 +75,13 @@ class RoomSplit:
             test += _last(inside, self.shared_test_share) if shared else inside
         return tuple(sorted(test))
 
-    def _warning(self, rooms: Sequence[int]) -> str:
+    def _warning(self, rooms: Sequence[Room]) -> str:
         """Why figures mean less, or nothing, when the rooms cannot decide."""
         if len(rooms) < 2:
             return "TRAINING AND TEST WINDOWS ARE THE SAME, figures mean nothing: only one recording has windows"
         return (
-            f"SPLIT BY RECORDING, NOT BY ROOM, so test rooms have been seen: there are rooms {sorted(set(rooms))}, "
-            f"not train_rooms {self.train_rooms} and test_rooms {self.test_rooms}"
+            "SPLIT BY RECORDING, NOT BY ROOM, so test rooms have been seen: there are rooms "
+            f"{sorted(set(rooms), key=str)}, not train_rooms {self.train_rooms} and test_rooms {self.test_rooms}"
         )
 
     def _held_out(self, train: tuple[int, ...]) -> tuple[int, ...]:

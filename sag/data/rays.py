@@ -67,3 +67,24 @@ class RayScene:
         towards = (target - points).astype(np.float32)
         limit = np.full(len(points), 0.999, np.float32)
         return np.asarray(self._scene.run(points, towards, limit, query="OCCLUDED") >= 0)
+
+
+def pixel_rays(
+    intrinsics: Float[np.ndarray, "3 3"], rows: tuple[int, int], columns: tuple[int, int]
+) -> Float[np.ndarray, "n 3"]:
+    """Directions through the centres of pixels, row by row; 1 along the camera's axis, so scaled by planar depth.
+
+    Args:
+        intrinsics: camera matrix in continuous pixels.
+        rows: first and last + 1.
+        columns: first and last + 1.
+    """
+    x = (np.arange(*columns) + 0.5 - intrinsics[0, 2]) / intrinsics[0, 0]
+    y = (np.arange(*rows) + 0.5 - intrinsics[1, 2]) / intrinsics[1, 1]
+    grid = np.stack(np.broadcast_arrays(x, y[:, None], 1.0), axis=-1)
+    return grid.reshape(-1, 3)
+
+
+def cast(triangles: Float[np.ndarray, "m 3 3"], rays: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+    """Planar z at which rays from the camera meet triangles (metres, camera frame); infinite where they meet none."""
+    return RayScene(triangles).distance(np.zeros(3), rays)

@@ -1,0 +1,107 @@
+"""Windows of a folder of one's own: which can be used, and what the cache stores of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from sag.data.folder.recording import Recording
+from sag.data.recordings.body import BEHIND_SKIN, body_depth
+from sag.data.recordings.filters import (
+    NO_PICTURE,
+    OTHER_SIZE,
+    ROOT_JUMPS,
+    Limits,
+    faultless_starts,
+    jumps_in,
+    motion_fault,
+    root_jumps,
+)
+from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
+from sag.types import FRAMES
+
+NOTHING, PERSON = 0, 1
+"""Ids in a native picture."""
+
+
+def events(recording: Recording, limits: Limits) -> Counter[str]:
+    """How often the root of a recording jumps."""
+    return Counter({ROOT_JUMPS: len(root_jumps(recording.joints[:, recording.root], limits))})
+
+
+def usable_starts(
+    recording: Recording, stride: int, limits: Limits, size: tuple[int, int]
+) -> tuple[list[int], Counter[str]]:
+    """Frames where a usable window starts, and how many windows were dropped for what.
+
+    Args:
+        recording: a recording.
+        stride: frames from one window to the next.
+        limits: what a window must keep to.
+        size: rows and columns that the pictures must have.
+    """
+    jumps = root_jumps(recording.joints[:, recording.root], limits)
+    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, limits, size))
+
+
+def _fault(recording: Recording, start: int, jumps: list[int], limits: Limits, size: tuple[int, int]) -> str | None:
+    """The first reason against the window that starts at a frame."""
+    if start not in recording.pictures.complete:
+        return NO_PICTURE
+    if recording.size != size:
+        return OTHER_SIZE
+    if jumps_in(jumps, start):
+        return ROOT_JUMPS
+    joints = recording.seen_from(start, slice(start, start + FRAMES))
+    return motion_fault(joints, recording.root, recording.intrinsics[start], recording.size, limits)
+
+
+def stored_window(
+    recording: Recording, start: int, form: WindowFormat, with_cloud: bool
+) -> dict[str, np.ndarray] | None:
+    """The cache's arrays of one window by name; nothing when the person is hidden at its start.
+
+    Args:
+        recording: the recording.
+        start: frame where the window starts.
+        form: how windows are stored.
+        with_cloud: whether the cloud is wanted as well.
+
+    Raises:
+        SagError: a picture of the start frame cannot be read.
+    """
+    joints = recording.seen_from(start, slice(start, start + FRAMES))
+    colour, depth = recording.pictures.colour(start), recording.pictures.depth(start)
+    person = person_in(recording, start, joints[0], depth)
+    if person is None:
+        return None
+    picture = Picture(colour, depth, np.where(person, PERSON, NOTHING), recording.intrinsics[start])
+    window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start]}
+    window |= centred_picture(picture, joints[0, recording.root], PERSON, form)
+    return window | (depth_cloud(picture, PERSON, form) if with_cloud else {})
+
+
+def person_in(
+    recording: Recording, frame: int, joints: Float[np.ndarray, "j 3"], depth: Float[np.ndarray, "h w"]
+) -> Bool[np.ndarray, "h w"] | None:
+    """Where the person is in a frame: as its picture tells, or else where capsules around the bones are not hidden.
+
+    Args:
+        recording: the recording.
+        frame: one that has pictures.
+        joints: of this frame, metres, its camera's frame.
+        depth: planar z of this frame, metres.
+
+    Returns:
+        Nothing where no pixel of the capsules is the person's.
+
+    Raises:
+        SagError: the picture of the person cannot be read.
+    """
+    body = body_depth(joints, recording.skeleton, recording.intrinsics[frame], recording.size)
+    told = recording.pictures.person(frame)
+    seen = np.isfinite(body) & ((depth == 0) | (body < depth + BEHIND_SKIN))
+    person = seen if told is None else told
+    return person if (person & np.isfinite(body)).any() else None

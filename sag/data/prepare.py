@@ -1,0 +1,99 @@
+"""`sag data prepare PATH`: converts a data set into the cache that training reads."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sag.data.known import recognised
+from sag.data.options import PREFIX, module_from
+from sag.data.recordings.scratch import SUFFIX
+
+INTERRUPTED = 130
+"""Exit status of a command that Ctrl-C ends, as shells have it."""
+
+PAPER_ROWS = 288
+"""Rows of the paper's pictures, for which its preset is meant."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The arguments of `sag data prepare`."""
+    made = argparse.ArgumentParser(
+        "sag data prepare",
+        allow_abbrev=False,
+        description="Converts GTA-IM, PROX or your own data into the cache that training reads, going on where it was "
+        "interrupted.",
+        epilog="Further options are those of training, such as --image_size=[72,128] or --skip_broken true.",
+    )
+    made.add_argument("path", type=Path, metavar="PATH", help="root of the data set")
+    made.add_argument("--out", type=Path, metavar="DIR", help="folder of the caches (default: data)")
+    made.add_argument("--config", type=Path, action="append", default=[], help="file with data.init_args; may repeat")
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Builds the cache that training with the same options would build, and says how to train on it.
+
+    Returns:
+        `INTERRUPTED` where it was, else 0.
+
+    Raises:
+        SagError: there is no data set, an option is wrong, or the disk has too little room.
+    """
+    asked, options = parser().parse_known_args(arguments)
+    known, root = recognised(asked.path)
+    if asked.out is not None:
+        options = [*options, f"--cache_dir={asked.out}"]
+    module, given = module_from(known, root, options, asked.config)
+    try:
+        folder = module.cache.folder
+    except KeyboardInterrupt:
+        print(f"\ninterrupted; {_what_is_left(module.cache_dir, known.name)}")
+        return INTERRUPTED
+    size = sum(path.stat().st_size for path in folder.iterdir())
+    print(f"{folder}: {size / 1e6:,.0f} MB")
+    for left in _unfinished(module.cache_dir, known.name):
+        print(f"{left} is an interrupted conversion with other options or files; delete it if it is not wanted")
+    options_there = {**given, "root": root.resolve(), "image_size": list(module.image_size)}
+    if module.skeleton.path is not None:
+        options_there["skeleton"] = module.skeleton.path.resolve()
+    print("to train on it:\n  " + training_command(known.name, options_there, asked.config))
+    return 0
+
+
+def _unfinished(cache_dir: Path, name: str) -> list[Path]:
+    """Folders of conversions of a data set that were interrupted."""
+    return sorted(cache_dir.glob(f"{name}-*{SUFFIX}"))
+
+
+def _what_is_left(cache_dir: Path, name: str) -> str:
+    """What an interrupted conversion can go on with."""
+    left = _unfinished(cache_dir, name)
+    if not left:
+        return "no window was finished, so the same command begins anew"
+    return f"the same command goes on with what is finished, in {', '.join(map(str, left))}"
+
+
+def training_command(name: str, options: dict[str, Any], configs: Sequence[Path]) -> str:
+    """The command that trains on exactly this cache, over several lines.
+
+    Args:
+        name: of the data set's config.
+        options: of the data module, those that other configs set among them.
+        configs: that were given, instead of a preset for the size of the pictures.
+    """
+    preset = "paper" if options["image_size"][0] >= PAPER_ROWS else "quick"
+    chosen = [str(path) for path in configs] or [f"configs/presets/{preset}.yaml"]
+    usual = ["configs/base.yaml", *chosen, f"configs/data/{name}.yaml"]
+    said = [f"--config {shlex.quote(str(path))}" for path in dict.fromkeys(usual)]
+    said += [shlex.quote(f"--{PREFIX}{option}={_written(value)}") for option, value in sorted(options.items())]
+    return " \\\n    ".join(["sag run", *said])
+
+
+def _written(value: Any) -> str:
+    """A value as an option of the command line."""
+    return str(value) if isinstance(value, str | Path) else json.dumps(value, default=str)
