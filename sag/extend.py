@@ -16,10 +16,9 @@ from torch import Tensor
 
 from sag.data.motion_file import MotionFile, write_motions
 from sag.errors import SagError
-from sag.figure7.runs import Run, read_runs
-from sag.figure7.spread import picked_windows
 from sag.methods.sliding import LONGEST_OVERLAP, sample_long, window_starts
 from sag.metrics import SeamJerk
+from sag.runs import Run, read_runs
 from sag.types import FRAMES, Batch
 
 COLUMNS = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -71,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if asked.samples < 1:
         raise SagError(f"--samples is {asked.samples}; at least one motion of each window is needed")
     run = _run(asked.run, asked.cache_dir)
-    batches = picked_windows(run, asked.windows)
+    batches = run.windows(asked.windows)
     overlaps = dict.fromkeys((1, asked.overlap)) if asked.frames > FRAMES else (asked.overlap,)
     console = Console()
     with Progress(*COLUMNS, console=console, disable=not console.is_terminal) as progress:

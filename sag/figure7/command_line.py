@@ -15,11 +15,11 @@ from rich.table import Table
 from sag.errors import SagError
 from sag.figure7.examples import examples_of
 from sag.figure7.plot import plot_of
-from sag.figure7.runs import read_runs
-from sag.figure7.spread import TRAJECTORIES, End, Spread, TakesEnd, picked_windows, spreads_of
+from sag.figure7.spread import TRAJECTORIES, End, Spread, TakesEnd, spreads_of
 from sag.figure7.written import content_of, spreadsheet
 from sag.files import write_json
 from sag.report.plot import STYLE
+from sag.runs import read_runs
 
 DESCRIPTION = f"""\
 Standard deviation over time of {TRAJECTORIES} trajectories with the same start and end point (the paper's Figure 7).
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if asked.out.is_file():
         raise SagError(f"--out {asked.out} is a file; give a folder")
     runs = sorted(read_runs(asked.runs, asked.cache_dir), key=lambda run: isinstance(run.method, TakesEnd))
-    batches = picked_windows(runs[0], asked.windows)
+    batches = runs[0].windows(asked.windows)
     spreads = spreads_of(runs, batches, asked.samples, asked.seed, asked.end)
     protocol = {
         "windows": asked.windows, "samples": asked.samples, "trajectories": TRAJECTORIES, "seed": asked.seed,

@@ -10,10 +10,9 @@ import torch
 from jaxtyping import Float
 from torch import Generator, Tensor
 
-from sag.data.base import Windows
 from sag.errors import SagError
-from sag.figure7.runs import Run
 from sag.metrics import sample_deviation
+from sag.runs import Run
 from sag.types import Batch, Motion
 
 TRAJECTORIES = 5
@@ -64,20 +63,6 @@ class Spread:
     def misses(self) -> Float[Tensor, " n"]:
         """How far from the common end point the trajectory of a window that ends farthest from it ends, metres."""
         return (self.roots[:, :, -1] - self.ends[:, None]).norm(dim=-1).amax(dim=1)
-
-
-def picked_windows(run: Run, count: int) -> list[Batch]:
-    """So many test windows, evenly over all of them, in batches.
-
-    Raises:
-        SagError: there are fewer.
-    """
-    windows = Windows(run.data.cache, "test", run.data.skeleton)
-    if not 1 <= count <= len(windows):
-        raise SagError(f"--windows is {count}, and {run.data.name} has {len(windows)} test windows")
-    places = torch.linspace(0, len(windows) - 1, count).round().long().tolist()
-    size = run.data.eval_batch_size
-    return [windows.__getitems__(places[first : first + size]) for first in range(0, count, size)]
 
 
 @torch.no_grad()

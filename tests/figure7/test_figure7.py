@@ -9,7 +9,7 @@ import pytest
 
 from sag.cli import main
 from sag.errors import SagError
-from sag.figure7.runs import read_runs
+from sag.runs import read_runs
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

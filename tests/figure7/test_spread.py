@@ -6,9 +6,9 @@ import pytest
 import torch
 
 from sag.errors import SagError
-from sag.figure7.runs import Run
-from sag.figure7.spread import TRAJECTORIES, Spread, TakesEnd, common_ends, nearest, picked_windows, spreads_of
+from sag.figure7.spread import TRAJECTORIES, Spread, TakesEnd, common_ends, nearest, spreads_of
 from sag.methods.base import Method
+from sag.runs import Run
 from sag.scoring import Evaluation
 from sag.types import Batch, Motion
 
@@ -146,9 +146,9 @@ def test_impossible_wishes_are_refused(runs: Runs, batch: Batch) -> None:
 def test_windows_are_spread_over_all(runs: Runs) -> None:
     (run,) = runs.of(walker=Walker())
     count = len(run.data.cache.rows("test"))
-    (batch,) = picked_windows(run, 2)
+    (batch,) = run.windows(2)
     rows = run.data.cache.rows("test")
     assert batch.index.tolist() == [rows[0], rows[-1]]
     for wrong in (0, count + 1):
         with pytest.raises(SagError, match="--windows"):
-            picked_windows(run, wrong)
+            run.windows(wrong)

@@ -13,10 +13,11 @@ from jsonargparse import ArgumentError, ArgumentParser
 
 from sag.checkpoints import WholeCheckpoints
 from sag.components import Components
-from sag.data.base import MotionDataModule
+from sag.data.base import MotionDataModule, Windows
 from sag.errors import SagError
 from sag.methods.base import Method
 from sag.parsing import one_sentence
+from sag.types import Batch
 
 CONFIG = "config.fit.yaml"
 CHECKPOINT = Path("checkpoints") / "last.ckpt"
@@ -35,6 +36,19 @@ class Run:
     name: str
     method: Method
     data: MotionDataModule
+
+    def windows(self, count: int) -> list[Batch]:
+        """So many test windows, evenly over all of them, in batches.
+
+        Raises:
+            SagError: there are fewer.
+        """
+        windows = Windows(self.data.cache, "test", self.data.skeleton)
+        if not 1 <= count <= len(windows):
+            raise SagError(f"--windows is {count}, and {self.data.name} has {len(windows)} test windows")
+        places = torch.linspace(0, len(windows) - 1, count).round().long().tolist()
+        size = self.data.eval_batch_size
+        return [windows.__getitems__(places[first : first + size]) for first in range(0, count, size)]
 
 
 def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Run]:
