@@ -24,7 +24,7 @@ from sag.types import Batch, Condition, Motion
 
 
 @dataclass(frozen=True)
-class Recipe:
+class CaoRecipe:
     """How the three networks are trained.
 
     Attributes:
@@ -58,7 +58,7 @@ class Cao(Method):
     introduced them), how the hourglass's maps become a path in metres, L1 errors of path and pose. *Ours*: only the
     given frame is seen, as in this task, where the original sees a second of history; knots every 8 frames and a
     spline between them; f and the initial pose told to the networks, as to every system that is compared (f's encoder
-    learns with GoalNet, then rests); that GoalNet's encoder sees the true goal in training; what `Recipe` calls ours.
+    learns with GoalNet, then rests); that GoalNet's encoder sees the true goal in training; what `CaoRecipe` calls ours.
     Goals, and so paths, stay inside the picture.
 
     Args:
@@ -75,7 +75,7 @@ class Cao(Method):
         network: Network = Network(),  # noqa: B008 (frozen)
         skeleton: str = "gta_im_19",
         evaluation: Evaluation = Evaluation(),  # noqa: B008 (frozen)
-        recipe: Recipe = Recipe(),
+        recipe: CaoRecipe = CaoRecipe(),
     ) -> None:
         super().__init__(skeleton, evaluation)
         self.automatic_optimization = False

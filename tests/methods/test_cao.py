@@ -9,7 +9,7 @@ from toy_data import ToyDataModule
 from sag.components import Network
 from sag.errors import SagError
 from sag.methods import Cao
-from sag.methods.cao import Recipe
+from sag.methods.cao import CaoRecipe
 from sag.trainer import Trainer
 from sag.types import Batch
 
@@ -58,7 +58,7 @@ def equal(one: dict[str, torch.Tensor], other: dict[str, torch.Tensor]) -> bool:
 def test_each_stage_overfits_a_single_batch(tmp_path: Path, toy_cache: Path) -> None:
     toy = ToyDataModule(toy_cache, windows=2)
     watch = Watch()
-    made = method(recipe=Recipe((3e-3, 5e-3, 1.5e-3), divergence=1e-4, stages=(30.0, 40.0, 150.0)))
+    made = method(recipe=CaoRecipe((3e-3, 5e-3, 1.5e-3), divergence=1e-4, stages=(30.0, 40.0, 150.0)))
     trainer(tmp_path, 220, callbacks=[watch]).fit(made, toy)
     for name in ("train/goal", "train/path", "train/pose"):
         losses = watch.losses[name]
@@ -77,7 +77,7 @@ def test_stages_follow_each_other_and_leave_each_other_alone(toy: ToyDataModule,
 
 @pytest.mark.parametrize("epochs", [1, 3])
 def test_every_stage_gets_a_batch(toy: ToyDataModule, tmp_path: Path, epochs: int) -> None:
-    made = trained(toy, tmp_path, epochs, recipe=Recipe(stages=(8.0, 1.0, 1.0)))
+    made = trained(toy, tmp_path, epochs, recipe=CaoRecipe(stages=(8.0, 1.0, 1.0)))
     assert made.trained
     assert (made.stage_steps > 0).all()
 
@@ -137,7 +137,7 @@ def test_shares_of_an_endless_run_are_refused(toy: ToyDataModule, tmp_path: Path
 
 def test_a_stage_without_a_share_is_refused() -> None:
     with pytest.raises(SagError, match=r"recipe\.stages"):
-        Recipe(stages=(1.0, 0.0, 1.0))
+        CaoRecipe(stages=(1.0, 0.0, 1.0))
 
 
 @pytest.fixture
