@@ -8,30 +8,33 @@ BIN := $(VENV)/bin
 DATA ?= rooms
 ROOT ?=
 GTA_IM ?=
+SMPLX ?=
 PRESET ?= quick
 JOBS ?= 2
 SEEDS ?= 1
 RUNS ?= runs
 EXTRA ?=
 
-data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set data.init_args.root=$(ROOT) \
-	$(if $(filter folder,$(DATA)),--set data.init_args.skeleton=$(ROOT)/skeleton.yaml))
+data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set "data.init_args.root=$(ROOT)" \
+	$(if $(SMPLX),--set "data.init_args.smplx_models=$(SMPLX)") \
+	$(if $(filter folder,$(DATA)),--set "data.init_args.skeleton=$(ROOT)/skeleton.yaml"))
 # Runs that do not compare have folders of their own.
 folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
 run = $(BIN)/sag sweep sweeps/$(1).yaml --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) --config configs/presets/$(PRESET).yaml
 sweep = $(call pretraining,$(1)) $(call run,$(1)) --out $(call folder,$(1)) $(data_options) $(EXTRA) \
 	$(if $(GTA_IM),--pretrained $(call folder,$(1))-pretraining) ; status=$$? ; \
 	[ $$status -gt 1 ] && exit $$status ; $(BIN)/sag report $(call folder,$(1)) && exit $$status
-# On PROX rows start in what they have learned on GTA-IM with the same 16 joints, where GTA_IM says where that is (paper, 4.3).
+# On PROX rows start in what they have learned on GTA-IM with the same 16 joints, where GTA_IM says where that is (paper, 4.1).
 pretraining = $(if $(GTA_IM),$(if $(filter-out prox,$(DATA)),$(error GTA_IM is for pre-training: give DATA=prox with it)) \
-	$(call run,$(1)) --out $(call folder,$(1))-pretraining --config configs/data/gta_im.yaml --set data.init_args.root=$(GTA_IM) \
+	$(call run,$(1)) --out $(call folder,$(1))-pretraining --config configs/data/gta_im.yaml --set "data.init_args.root=$(GTA_IM)" \
 	--set data.init_args.skeleton=prox_16 $(EXTRA) || exit $$? ;)
 
 .PHONY: help
 help: ## Show this help.
 	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
 	@echo
-	@echo "  Options: DATA=rooms|gta_im|prox|folder  ROOT=folder of the data  GTA_IM=folder to pre-train on for PROX  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+	@echo "  Options: DATA=rooms|gta_im|prox|folder  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+	@echo "  For DATA=prox: SMPLX=folder of SMPL-X's models  GTA_IM=folder of GTA-IM, to pre-train on it"
 	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3, or of the benchmarks"
 
 $(VENV)/installed: pyproject.toml constraints.txt

@@ -76,6 +76,7 @@ class MetricsFile(pl.Callback):
             "row": row,
             "method": type(method).__name__,
             "components": dataclasses.asdict(components) if components else None,
+            "pretrained": None if method.pretrained is None else str(method.pretrained),
             "seed": int(os.environ.get("PL_GLOBAL_SEED", -1)),
             "data": method.data.describe(),
             "protocol": method.protocol(),

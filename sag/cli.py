@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import io
 import sys
 from collections.abc import Callable
 
 from sag.errors import SagError
+from sag.text import plain
 
 TOOLS = {
     "data": "builds, checks and shows data sets",
@@ -25,10 +27,12 @@ TRAINING = ("fit", "run", "validate", "test", "predict")
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; errors a user can mend are one sentence and status 2."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # no name of a file is worth a traceback
     try:
         return _dispatch(arguments)
     except SagError as error:
-        print(f"sag: {error}", file=sys.stderr)
+        print(f"sag: {plain(' '.join(str(error).splitlines()))}", file=sys.stderr)
         return 2
 
 

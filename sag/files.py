@@ -6,9 +6,14 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
+
+import yaml
+
+from sag.errors import SagError
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
@@ -28,6 +33,38 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def writing_in(path: Path, way_out: str) -> Iterator[None]:
+    """Says in one sentence why a file or folder cannot be written.
+
+    Args:
+        path: what is written, or the folder of it.
+        way_out: what to do about it.
+
+    Raises:
+        SagError: the system refuses the path, what lies in it, or a folder that it lies in.
+    """
+    try:
+        yield
+    except OSError as error:
+        refused = Path(error.filename) if isinstance(error.filename, str) else None
+        if refused is None or not (refused.is_relative_to(path) or path.is_relative_to(refused)):
+            raise
+        raise SagError(f"{path} cannot be written ({refused}: {error.strerror}); {way_out}") from error
+
+
+def read_yaml(path: Path) -> Any:
+    """What a YAML file holds.
+
+    Raises:
+        SagError: it cannot be read, or is no YAML.
+    """
+    try:
+        return yaml.safe_load(path.read_text())
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
+        raise SagError(f"{path} cannot be read as YAML ({' '.join(str(error).split())}); mend or replace it") from error
 
 
 def sha256_of(path: Path) -> str:

@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
-import yaml
 from jsonargparse import ArgumentError, ArgumentParser, Namespace
 
 from sag.data.base import MotionDataModule
+from sag.data.known import DATA_SETS
 from sag.errors import SagError
-from sag.files import write_json, write_whole
+from sag.files import read_yaml, write_json, write_whole
 from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
@@ -26,14 +26,6 @@ from sag.metrics.collisions.clear_frames import RADII
 from sag.parsing import one_sentence, refusal
 from sag.report import show_scores
 from sag.scoring import Evaluation
-
-DATA_SETS = {
-    "rooms": "sag.data.rooms.RoomsDataModule",
-    "gta_im": "sag.data.gta_im.GtaImDataModule",
-    "prox": "sag.data.prox.ProxDataModule",
-    "folder": "sag.data.folder.FolderDataModule",
-}
-"""Data sets that `--reference` knows by name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -134,8 +126,8 @@ def _reference(name: str) -> dict[str, Any]:
     path = Path(name)
     if not path.is_file():
         raise SagError(f"--reference {name} is neither a file nor one of {', '.join(DATA_SETS)}")
-    try:
-        content = yaml.safe_load(path.read_text())
-        return dict(content["data"])
-    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
-        raise SagError(f"--reference {name} is no YAML file with a key `data` ({error!r})") from error
+    content = read_yaml(path)
+    data = content.get("data") if isinstance(content, dict) else None
+    if not isinstance(data, dict) or not isinstance(data.get("init_args", {}), dict):
+        raise SagError(f"--reference {name} is no YAML file with `data` and its init_args, such as a config.fit.yaml")
+    return data

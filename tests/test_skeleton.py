@@ -1,5 +1,6 @@
 import dataclasses
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -112,3 +113,73 @@ def test_a_file_that_is_no_yaml_is_refused(tmp_path: Path, content: bytes) -> No
         skeleton_named(str(path))
     with pytest.raises(SagError, match="cannot be read"):
         skeleton_named(str(tmp_path / "missing.yaml"))
+
+
+def laughs(levels: int = 7) -> str:
+    """Aliases by which a few hundred bytes tell ten million names."""
+    lines = ["a0: &a0 [x,x,x,x,x,x,x,x,x,x]"]
+    lines += [f"a{n}: &a{n} [{','.join(10 * [f'*a{n - 1}'])}]" for n in range(1, levels)]
+    return "\n".join([*lines, f"joints: *a{levels - 1}", "name: z", "parts: {}", "limbs: {}", "bones: []", "root: r"])
+
+
+def merges(levels: int = 9) -> str:
+    """The same with dictionaries that are merged."""
+    lines = ["a0: &a0 {x: [y]}"]
+    lines += [f"a{n}: &a{n} {{<<: [{','.join(10 * [f'*a{n - 1}'])}]}}" for n in range(1, levels)]
+    return "\n".join(lines)
+
+
+HOSTILE = {
+    "aliases": laughs(),
+    "merges": merges(),
+    "deep": "joints: " + 3000 * "[" + 3000 * "]",
+    "large": "joints: [" + 40_000 * "a," + "]",
+    "long_number": "name: " + 60_000 * "9" + "\nparts: {}\nlimbs: {}\nbones: []",
+    "long_key": "? " + str([20_000 * "x"]) + "\n: 1",
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_file_is_refused_soon_in_a_short_sentence(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "skeleton.yaml"
+    path.write_text(HOSTILE[name])
+    start = time.perf_counter()
+    with pytest.raises(SagError, match="tells no name, joints") as error:
+        skeleton_named(str(path))
+    assert len(str(error.value)) < len(str(path)) + 300 and "\n" not in str(error.value)
+    assert time.perf_counter() - start < 10
+
+
+@pytest.mark.parametrize(
+    ("changes", "entry"),
+    [
+        ({"joints": ["head", ["y" * 500]]}, "joints"),
+        ({"joints": 5000 * ["a"]}, "joints"),
+        ({"joints": ["y" * 81]}, "joints"),
+        ({"bones": [["root", "y" * 81]]}, "a bone"),
+        ({"parts": {"head": [[]]}}, "a group of parts"),
+        ({"limbs": {"y" * 81: []}}, "limbs"),
+        ({"root": "y" * 81}, "root"),
+        ({"name": "y" * 5000}, "name"),
+    ],
+)
+def test_the_entry_is_named_and_not_what_stands_there(tmp_path: Path, changes: dict[str, object], entry: str) -> None:
+    with pytest.raises(SagError, match=rf"\({entry}: ") as error:
+        skeleton_named(str(told(tmp_path, **changes)))
+    assert "yyy" not in str(error.value)
+
+
+@pytest.mark.parametrize("entry", ["joints", "bones", "parts"])
+def test_a_tree_of_hundreds_is_refused_in_a_short_sentence(tmp_path: Path, entry: str) -> None:
+    many = [f"joint_{number}" for number in range(400)]
+    changed = {"joints": [*PROX_16.joints, *many], "bones": [["root", name] for name in many], "parts": {"all": many}}
+    path = told(tmp_path, **{entry: changed[entry]})
+    with pytest.raises(SagError) as error:
+        skeleton_named(str(path))
+    assert len(str(error.value)) < len(str(path)) + 500
+
+
+def test_a_folder_is_no_skeleton(tmp_path: Path) -> None:
+    (tmp_path / "skeleton.yaml").mkdir()
+    with pytest.raises(SagError, match="no regular file"):
+        skeleton_named(str(tmp_path / "skeleton.yaml"))

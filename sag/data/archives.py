@@ -15,6 +15,9 @@ from sag.errors import SagError
 ROWS_LIMIT = 200_000
 """Most rows of an array that are read; at 30 frames a second nearly two hours."""
 
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""Ways in which numpy stores an array; what others unpack is not bounded while it unpacks."""
+
 _HEADER = 65_536
 """Bytes that a header of an array may have besides the numbers."""
 
@@ -86,8 +89,11 @@ def _array(archive: zipfile.ZipFile, name: str, shapes: Sequence[Shape], kinds: 
     limit = largest * 8 + _HEADER
     if found[0].file_size > limit:
         raise SagError(f"holds {name} of {found[0].file_size:,} bytes, more than the {limit:,} that it may have")
-    # No more than the size that is told comes out of the archive.
-    return _parsed(archive.read(found[0]), name, shapes, kinds)
+    if found[0].compress_type not in _METHODS:
+        raise SagError(f"holds {name} compressed in a way (number {found[0].compress_type}) that numpy does not write")
+    # Reading a whole member would unpack all that comes and cut it to the told size afterwards.
+    with archive.open(found[0]) as stream:
+        return _parsed(stream.read(found[0].file_size + 1), name, shapes, kinds)
 
 
 def _parsed(content: bytes, name: str, shapes: Sequence[Shape], kinds: str) -> np.ndarray:

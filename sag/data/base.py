@@ -15,6 +15,7 @@ from torch.utils.data import DataLoader, Dataset
 
 from sag.data.cache import DEPTH_UNIT, PERSON, SPLITS, WindowCache
 from sag.errors import SagError
+from sag.files import writing_in
 from sag.skeleton import Skeleton, skeleton_named
 from sag.types import Batch, DepthMap, KnownGeometry, Motion, Scene
 
@@ -94,6 +95,8 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         self.cache_dir = Path(cache_dir)
         self.skeleton = skeleton_named(skeleton)
         self.image_size = (int(image_size[0]), int(image_size[1]))
+        if min(self.image_size) < 1:
+            raise SagError(f"data.init_args.image_size must be at least 1 row and 1 column, found {list(image_size)}")
         self.batch_size = batch_size
         self.eval_batch_size = eval_batch_size
 
@@ -107,8 +110,9 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     @cached_property
     def cache(self) -> WindowCache:
-        """The cache behind this data set."""
-        return self.build()
+        """The cache behind this data set; a `cache_dir` that cannot be written is a `SagError`."""
+        with writing_in(self.cache_dir, "give another folder by --data.init_args.cache_dir"):
+            return self.build()
 
     def prepare_data(self) -> None:
         """Builds the cache when it is missing."""

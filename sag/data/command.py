@@ -11,6 +11,7 @@ from sag.data.check.command import main as check
 from sag.data.layouts.command import add_options, write
 from sag.data.prepare import main as prepare
 from sag.data.rooms import Recipe, RoomsDataModule
+from sag.data.sheet import check_sheet
 from sag.errors import SagError
 
 ROOMS = "Builds the embedded synthetic rooms and says what they hold; draws them, or writes them in another layout."
@@ -49,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments and arguments[0] in OF_THEIR_OWN:
         return OF_THEIR_OWN[arguments[0]][0](arguments[1:])
     asked = parser().parse_args(arguments)
+    if asked.preview is not None:
+        check_sheet("--preview", asked.preview, asked.count)
     if asked.layout is not None:
         write(asked)
         return 0

@@ -52,6 +52,9 @@ KNOWN = (
 )
 """Every data set that `sag data check` and `sag data prepare` know."""
 
+DATA_SETS = {"rooms": "sag.data.rooms.RoomsDataModule"} | {known.name: known.module for known in KNOWN}
+"""Data module of every data set, by the name of its config."""
+
 
 def recognised(path: Path) -> tuple[KnownDataSet, Path]:
     """The data set that a folder belongs to, and its root, which may be a folder or two above.

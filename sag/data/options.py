@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
 from jsonargparse import ArgumentError, ArgumentParser
 
 from sag.data.base import MotionDataModule
 from sag.data.known import KnownDataSet
 from sag.errors import SagError
+from sag.files import read_yaml
 
 PREFIX = "data.init_args."
 """What training writes before the options of a data set."""
@@ -63,11 +63,11 @@ def _from_configs(configs: Sequence[Path], names: set[str]) -> dict[str, Any]:
     """What config files say of a data set, with dots between nested names; what it does not take is left out."""
     found: dict[str, Any] = {}
     for path in configs:
-        try:
-            content = yaml.safe_load(path.read_text())
-            told = content.get("data", {}).get("init_args", {})
-        except (OSError, ValueError, AttributeError, yaml.YAMLError) as error:
-            raise SagError(f"{path} cannot be read as a config ({error})") from error
+        told = read_yaml(path)
+        for key in ("data", "init_args"):
+            told = told.get(key, {}) if isinstance(told, dict) else None
+        if not isinstance(told, dict):
+            raise SagError(f"{path} is no config: its data.init_args must map options to values")
         for name, value in told.items():
             if name in names:
                 nested = value if isinstance(value, dict) else {}

@@ -12,6 +12,7 @@ from typing import Any
 from sag.data.known import recognised
 from sag.data.options import PREFIX, module_from
 from sag.data.recordings.scratch import SUFFIX
+from sag.text import plain
 
 INTERRUPTED = 130
 """Exit status of a command that Ctrl-C ends, as shells have it."""
@@ -55,9 +56,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"\ninterrupted; {_what_is_left(module.cache_dir, known.name)}")
         return INTERRUPTED
     size = sum(path.stat().st_size for path in folder.iterdir())
-    print(f"{folder}: {size / 1e6:,.0f} MB")
+    print(f"{plain(str(folder))}: {size / 1e6:,.0f} MB")
     for left in _unfinished(module.cache_dir, known.name):
-        print(f"{left} is an interrupted conversion with other options or files; delete it if it is not wanted")
+        print(f"{plain(str(left))} is an interrupted conversion with other options or files; delete it if not wanted")
     options_there = {**given, "root": root.resolve(), "image_size": list(module.image_size)}
     if module.skeleton.path is not None:
         options_there["skeleton"] = module.skeleton.path.resolve()

@@ -16,6 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from sag.errors import SagError
+from sag.files import write_whole, writing_in
 from sag.skeleton import Skeleton
 from sag.types import FRAMES
 
@@ -62,6 +64,9 @@ def draw_sheet(
         path: of the PNG.
         columns: windows side by side.
         with_start: draws the skeleton of the picture's own frame too, the person's outline, and a legend.
+
+    Raises:
+        SagError: the file cannot be written.
     """
     lines = -(-len(tiles) // columns)
     figure = Figure(figsize=(columns * 5.2, lines * 3.15), layout="constrained")
@@ -79,8 +84,30 @@ def draw_sheet(
         place.axis("off")
     if with_start:
         figure.legend(handles=_legend(), loc="outside lower center", ncols=3, facecolor="dimgrey", labelcolor="white")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    with writing_in(path.parent, f"give another file than {path}"):
+        write_whole(path, lambda file: figure.savefig(file, format="png", dpi=110))
+
+
+def check_sheet(option: str, path: Path, count: int) -> None:
+    """Refuses a sheet that cannot be drawn, before anything is looked at.
+
+    Args:
+        option: that names the file.
+        path: of the PNG.
+        count: windows on it.
+
+    Raises:
+        SagError: the file is no PNG, lies in no folder, or is one; or no window is asked for.
+    """
+    if count < 1:
+        raise SagError(f"--count must be at least 1, found {count}")
+    if path.suffix.lower() != ".png":
+        raise SagError(f"{option} {path} must name a file that ends in .png")
+    if path.is_dir():
+        raise SagError(f"{option} {path} is a folder; name a file in it, such as {path / 'sheet.png'}")
+    nearest = next(folder for folder in path.absolute().parents if folder.exists())
+    if not nearest.is_dir():
+        raise SagError(f"{option} {path}: {nearest} is a file; name one in a folder")
 
 
 def projected(joints: Float[np.ndarray, "t j 3"], intrinsics: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "t j 2"]:

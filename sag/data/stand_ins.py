@@ -9,6 +9,15 @@ from typing import Any
 
 import numpy as np
 
+_ITEM = 128
+"""Bytes of an item of a set or a dictionary."""
+
+_ARRAY = 240
+"""Bytes of an empty array, set or dictionary, and of what is remembered about it."""
+
+LONGEST_KEY = 16
+"""Most parts of a tuple that is a key; hashing a long one again and again would never end."""
+
 KEYS = (str, bytes, int, float, complex, type(None))
 """What dictionaries may have as keys and sets may hold, beside flat tuples of them; hashing a nest of shared tuples
 would never end."""
@@ -19,14 +28,16 @@ class ForbiddenError(Exception):
 
 
 class Budget:
-    """Bytes that the calls of a pickle may still take: without it a short file could copy one array a million times.
+    """Memory that a pickle may still take, bytes: without it a short file could copy one array a million times, and
+    each of its bytes could be an empty list of 200.
 
     Args:
-        size: of the file, bytes. An honest pickle holds every array once, and its text twice at most.
+        size: of the file, bytes. Frames such as GTA-IM's are counted as eight times their file, with small arrays in
+            them as twelve times; small files may do as they like.
     """
 
     def __init__(self, size: int) -> None:
-        self.left = 4 * size
+        self.left = (16 << 20) + 16 * size
 
     def spend(self, count: int) -> None:
         """Takes some bytes.
@@ -36,16 +47,23 @@ class Budget:
         """
         self.left -= count
         if self.left < 0:
-            raise ForbiddenError("the same content again and again")
+            raise ForbiddenError("the same content again and again, or far more parts than numbers")
 
 
 class StandIn:
-    """Something callable whose attributes a pickle cannot set."""
+    """Something callable that a pickle cannot change."""
 
     __slots__ = ("_call",)
+    _call: Callable[..., Any]
 
     def __init__(self, call: Callable[..., Any]) -> None:
-        self._call = call
+        object.__setattr__(self, "_call", call)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise ForbiddenError("a state of what it calls")
+
+    def __setstate__(self, state: Any) -> None:
+        raise ForbiddenError("a state of what it calls")
 
     def __call__(self, *arguments: Any) -> Any:
         """What the stand-in makes of its arguments."""
@@ -58,7 +76,8 @@ class DataType:
     __slots__ = ("code", "order")
 
     def __init__(self, code: str, align: Any = False, copy: Any = False) -> None:
-        if not re.fullmatch(r"[biufcSU]\d{1,6}", code):
+        # No length of zero: any number of such texts would take no bytes of the file.
+        if not re.fullmatch(r"[biufcSU][1-9]\d{0,5}", code):
             raise ForbiddenError(f"numpy data type {code}")
         self.code = code
         self.order = "="
@@ -89,7 +108,7 @@ class Array:
         _, shape, dtype, fortran, content = state
         if not isinstance(dtype, DataType) or not isinstance(content, bytes | bytearray | str):
             raise ForbiddenError("a numpy array of objects")
-        self._budget.spend(len(content))
+        self._budget.spend(_ARRAY + len(content))
         raw = content.encode("latin1") if isinstance(content, str) else bytes(content)
         self.value = np.ndarray(shape, dtype.real, raw, order="F" if fortran else "C").copy()
 
@@ -134,17 +153,28 @@ def _plain_types(budget: Budget) -> dict[tuple[str, str], Callable[..., Any]]:
 
     def collected(kind: Callable[..., Any]) -> Callable[..., Any]:
         def collect(items: Any = ()) -> Any:
-            budget.spend(len(items))
+            budget.spend(_ARRAY + _ITEM * len(items))
             return kind(hashable(items))
 
         return collect
 
+    def ordered(pairs: Any = ()) -> OrderedDict[Any, Any]:
+        budget.spend(_ARRAY + 2 * _ITEM * len(pairs))
+        found = [(key, value) for key, value in pairs]
+        hashable(key for key, _ in found)
+        return OrderedDict(found)
+
+    def complex_number(real: float, imaginary: float) -> complex:
+        if not (isinstance(real, float) and isinstance(imaginary, float)):
+            raise ForbiddenError("a complex number of anything but two numbers")
+        return complex(real, imaginary)
+
     calls: dict[tuple[str, str], Callable[..., Any]] = {("_codecs", "encode"): encode}
-    calls["collections", "OrderedDict"] = OrderedDict[Any, Any]
+    calls["collections", "OrderedDict"] = ordered
     for module in ("builtins", "__builtin__"):
         calls[module, "set"] = collected(set)
         calls[module, "frozenset"] = collected(frozenset)
-        calls[module, "complex"] = complex
+        calls[module, "complex"] = complex_number
         # `bytes()`, by which protocols before 3 write empty bytes.
         calls[module, "bytes"] = lambda: b""
     return calls
@@ -158,10 +188,16 @@ def hashable(keys: Iterable[Any]) -> list[Any]:
     """The same keys.
 
     Raises:
-        ForbiddenError: one is neither of `KEYS` nor a flat tuple of them.
+        ForbiddenError: one is neither of `KEYS` nor a flat tuple of at most `LONGEST_KEY` of them, or a number of more
+            than 64 bits.
     """
     found = list(keys)
     for key in found:
-        if not all(isinstance(part, KEYS) for part in (key if isinstance(key, tuple) else (key,))):
-            raise ForbiddenError(f"a key of type {type(key).__name__}")
+        parts = key if isinstance(key, tuple) else (key,)
+        if len(parts) > LONGEST_KEY or not all(map(_simple, parts)):
+            raise ForbiddenError(f"a key of type {type(key).__name__} that is none of a few short parts")
     return found
+
+
+def _simple(part: Any) -> bool:
+    return isinstance(part, KEYS) and not (isinstance(part, int) and part.bit_length() > 64)

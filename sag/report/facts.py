@@ -13,20 +13,32 @@ FEW_MOTIONS = 500
 """Motions below which a Frechet distance says more about N than about the motions."""
 
 
-def notices_of(lines: Sequence[Line]) -> tuple[str, ...]:
-    """Failed rows, NaN, too few motions, and what the data set says against itself."""
+def notices_of(lines: Sequence[Line], paper: PaperFigures) -> tuple[str, ...]:
+    """Failed rows, NaN, too few motions, what the data set says against itself, and who was pre-trained."""
     result = _any(lines)
     notices = []
     motions = int(result.protocol.get("motions", 0))
     if motions < FEW_MOTIONS:
         notices.append(f"N = {motions} is far too small for these figures to mean anything.")
     notices += [f"{str(note).rstrip('.')}." for note in result.data.get("notes", [])]
+    notices += _pretraining(lines, paper)
     for line in lines:
         wrong = [name for name, figure in line.figures.items() if math.isnan(figure.mean)]
         if wrong:
             notices.append(f"NaN in {line.name}: {', '.join(wrong)}.")
         notices += [f"{r.name} {_has(r.state)}: {r.reason.rstrip('.')}." for r in line.unfinished]
     return tuple(notices)
+
+
+def _pretraining(lines: Sequence[Line], paper: PaperFigures) -> list[str]:
+    """Which rows started in checkpoints of other data, where some or the paper's did."""
+    trained = [line for line in lines if line.finished and line.finished[0].steps]
+    begun = [line.name for line in trained if any(result.pretrained for result in line.finished)]
+    if begun and len(begun) < len(trained):
+        return [f"Only {', '.join(begun)} started in checkpoints of other data; the other rows started anew."]
+    if trained and not begun and paper.pretrained:
+        return [f"No row was pre-trained; the paper's rows on {paper.source} were, on GTA-IM."]
+    return []
 
 
 def _has(state: str) -> str:
@@ -39,6 +51,8 @@ def facts_of(lines: Sequence[Line], paper: PaperFigures) -> tuple[tuple[str, str
     facts = [("Data", _data(result)), ("N", _counts(result))]
     facts += [("Encoders of Motion FID", str(result.protocol.get("encoders")))]
     facts += [("Skeleton", str(result.protocol.get("skeleton"))), ("Seeds", _seeds(lines))]
+    starts = sorted({r.pretrained for line in lines for r in line.finished if r.pretrained})
+    facts += [("Pre-trained", f"training started in {', '.join(starts)}")] if starts else []
     facts += _ratios(lines)
     facts += [("Blind", WHAT_BLIND_IS)] if any(line.kind == "blind" for line in lines) else []
     facts.append(("Paper", f"printed figures on {paper.source}. {HOW_TO_READ}"))

@@ -99,11 +99,13 @@ class PaperFigures:
         source: data set, as a heading says it.
         motion_fid: by row, then `HORIZONS`.
         non_collision: by row, then `RADII`.
+        pretrained: whether its rows were trained on other data first.
     """
 
     source: str
     motion_fid: dict[str, Four]
     non_collision: dict[str, Four]
+    pretrained: bool = False
 
     def cells(self, row: str) -> dict[str, float]:
         """The figures of a row by our names for them, without those that the paper does not print."""
@@ -117,7 +119,7 @@ class PaperFigures:
 
 
 GTA_IM = PaperFigures("GTA-IM", {**TABLE_2, **TABLE_1_MOTION_FID}, TABLE_1_NON_COLLISION)
-PROX = PaperFigures("PROX", TABLE_3, TABLE_4)
+PROX = PaperFigures("PROX", TABLE_3, TABLE_4, pretrained=True)
 
 
 def paper_figures(data: str) -> PaperFigures:

@@ -39,6 +39,7 @@ class Result:
         seconds: time of `fit` and `test`.
         parameters: numbers that were trained.
         origin: versions and commit.
+        pretrained: checkpoint of other data in which training started, if it did.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Result:
     seconds: dict[str, float] = field(default_factory=dict)
     parameters: int = 0
     origin: dict[str, Any] = field(default_factory=dict)
+    pretrained: str | None = None
 
     @property
     def finished(self) -> bool:
@@ -84,7 +86,7 @@ def _read(run: Path) -> Result | None:
         return _finished(run.name, _json(run / "metrics.json"), run / "metrics.json")
     if state == "finished" and run.name in PREPARATIONS:
         return None
-    reason = status.get("reason") or ("it left no metrics.json" if state == "finished" else f"{state}, not finished")
+    reason = status.get("reason") or ("it left no metrics.json" if state == "finished" else "no figures yet")
     components = components_of(run.name.partition("-")[0])
     return Result(run.name, "failed" if state == "finished" else state, str(reason), components=components)
 
@@ -103,6 +105,7 @@ def _finished(name: str, content: dict[str, Any], path: Path) -> Result:
             seconds=content["seconds"],
             parameters=content["parameters"],
             origin={**content.get("versions", {}), "commit": content.get("commit")},
+            pretrained=content.get("pretrained"),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise SagError(

@@ -85,7 +85,7 @@ def report_of(title: str, lines: Sequence[Line], whole: bool = False) -> Report:
     first = _table(paper_section(paper, whole), lines, paper)
     further = (_table(section, lines, paper) for section in (SEES_MORE, COMPANIONS))
     tables = (first, *(table for table in further if len(table.columns) > 1))
-    return Report(title, tables, notices_of(lines), facts_of(lines, paper))
+    return Report(title, tables, notices_of(lines, paper), facts_of(lines, paper))
 
 
 def _table(section: Section, lines: Sequence[Line], paper: PaperFigures) -> Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -48,7 +49,9 @@ class Skeleton:
         for groups, members in ((self.parts, self.joints), (self.limbs, tuple(self.parts))):
             found = sorted(m for group in groups.values() for m in group)
             if found != sorted(members):
-                raise SagError(f"skeleton {self.name}: groups {list(groups)} must hold each of {members} once")
+                differing = sorted({*found} ^ {*members} or {m for m in found if found.count(m) > 1})
+                said = f"groups {_few(groups)} must hold each of {_few(members)} once, unlike {_few(differing)}"
+                raise SagError(f"skeleton {self.name}: {said}")
 
     def _check_tree(self) -> None:
         reached = [self.root]
@@ -61,7 +64,8 @@ class Skeleton:
             reached.append(child)
         if sorted(reached) != sorted(self.joints):
             differing = sorted({*reached} ^ {*self.joints})
-            raise SagError(f"skeleton {self.name}: bones must lead from the root to all joints, unlike {differing}")
+            said = f"bones must lead from the root to all joints, unlike {_few(differing)}"
+            raise SagError(f"skeleton {self.name}: {said}")
 
     @property
     def reference(self) -> str:
@@ -111,3 +115,9 @@ class Skeleton:
         parts = joints.grouped(self.parts)
         limbs = parts.grouped(self.limbs)
         return joints, parts, limbs, limbs.grouped({"body": limbs.nodes})
+
+
+def _few(names: Iterable[str]) -> str:
+    """The first few of some names; a file may tell hundreds."""
+    first = list(names)
+    return ", ".join(first[:8]) + (f" and {len(first) - 8} more" if len(first) > 8 else "")

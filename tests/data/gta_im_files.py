@@ -10,7 +10,10 @@ import numpy as np
 from PIL import Image
 
 from sag.data.gta_im import GtaImDataModule
-from sag.data.gta_im.recording import JOINTS
+from sag.data.gta_im.recording import JOINTS, joint_places
+from sag.data.recordings.filters import Limits
+from sag.data.recordings.views import WindowFormat
+from sag.skeleton import GTA_IM_19, Skeleton
 
 ROWS, COLUMNS = 108, 192
 SIZE = (54, 96)
@@ -133,6 +136,11 @@ def stored(depth: np.ndarray) -> np.ndarray:
 def packed(values: np.ndarray) -> np.ndarray:
     """24-bit numbers as colours."""
     return np.stack([values >> 16, values >> 8 & 255, values & 255], -1).astype(np.uint8)
+
+
+def form(skeleton: Skeleton = GTA_IM_19, **limits: float) -> WindowFormat:
+    """How windows are stored, with small pictures."""
+    return WindowFormat(joint_places(skeleton), skeleton.root_index, SIZE, 1, Limits(**limits))
 
 
 def module(root: Path, cache_dir: Path, **options: object) -> GtaImDataModule:

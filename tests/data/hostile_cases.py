@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zipfile
 
 import hostile_files as bad
 import hostile_traps as trap
@@ -24,6 +25,9 @@ ARCHIVES = {
     "bomb": bad.member("intrinsics", bad.npy((900_000, 3, 3), bytes(900_000 * 72))),
     "claims_too_much": bad.member("intrinsics", bad.npy((10**12, 3, 3), bytes(720))),
     "claims_a_little_more": bad.member("intrinsics", bad.npy((71, 3, 3), bytes(70 * 72))),
+    "understated_deflate": bad.understated(zipfile.ZIP_DEFLATED),
+    "understated_bzip2": bad.understated(zipfile.ZIP_BZIP2),
+    "understated_lzma": bad.understated(zipfile.ZIP_LZMA),
     "objects": arrays(joints_3d_world=lambda a: np.array([trap.Calls(os.mkdir, "canary")])),
     "text_numbers": arrays(intrinsics=lambda a: a.astype(str)),
     "lacks_an_array": arrays(world2cam_trans=lambda a: None),
@@ -65,6 +69,7 @@ PICKLES = {
     "long_bytes": bad.replaced(PICKLE, trap.LONG_BYTES),
     "copies": trap.pickled(PICKLE, lambda folder: trap.copies()),
     "endless_key": bad.replaced(PICKLE, trap.endless_key()),
+    **{name: bad.replaced(PICKLE, content) for name, content in trap.swellings().items()},
     "deep_nest": bad.replaced(PICKLE, b"\x80\x02" + 100_000 * b"]" + 99_999 * b"a" + b"."),
     **{f"gadget_{name}": trap.pickled(PICKLE, gadget) for name, gadget in trap.gadgets().items()},
 }

@@ -126,6 +126,23 @@ def member(name: str, content: bytes) -> Damage:
     return damage
 
 
+def understated(method: int, size: int = 96 << 20) -> Damage:
+    """An array that unpacks to much more than the size that is told of it."""
+
+    def damage(folder: Path) -> None:
+        array = npy((70, 3, 3), bytes(70 * 72))
+        with zipfile.ZipFile(folder / NPZ, "w", method) as file:
+            file.writestr("joints_3d_world.npy", npy((70, 21, 3), bytes(70 * 21 * 24)))
+            file.writestr("world2cam_trans.npy", npy((70, 4, 4), bytes(70 * 128)))
+            file.writestr("intrinsics.npy", array + bytes(size))
+        content = (folder / NPZ).read_bytes()
+        real, told = (struct.pack("<I", length) for length in (len(array) + size, len(array)))
+        assert content.count(real) == 2  # before the array and in the directory
+        (folder / NPZ).write_bytes(content.replace(real, told))
+
+    return damage
+
+
 def flipped_name(folder: Path) -> None:
     """A flipped bit in the directory at the archive's end."""
     content = bytearray((folder / NPZ).read_bytes())

@@ -152,6 +152,7 @@ FITS = {
     "long_bytes": bad.replaced(FIT, trap.LONG_BYTES),
     "copies": trap.pickled(FIT, lambda root: trap.copies()),
     "endless_key": bad.replaced(FIT, trap.endless_key()),
+    **{name: bad.replaced(FIT, content) for name, content in trap.swellings().items()},
     **{f"gadget_{name}": trap.pickled(FIT, gadget) for name, gadget in trap.gadgets().items()},
 }
 

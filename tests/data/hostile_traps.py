@@ -86,6 +86,60 @@ def endless_key() -> bytes:
     return b"\x80\x02}K\x01" + 60 * b"2\x86" + b"K\x00s."
 
 
+ORDERED, DTYPE, ARRAY = (
+    b"ccollections\nOrderedDict\n",
+    b"cnumpy\ndtype\n",
+    b"cnumpy.core.multiarray\n_reconstruct\ncnumpy\nndarray\nK\x00\x85U\x01b\x87R",
+)
+"""Names in protocol 2, and an array without a state."""
+
+
+def ordered_copies(pairs: int = 2000, copies: int = 20_000) -> bytes:
+    """A list of pairs that becomes an ordered dictionary again and again."""
+    numbered = b"".join(b"J" + struct.pack("<i", number) + b"N\x86" for number in range(pairs))
+    return b"\x80\x02](" + numbered + b"eq\x000" + ORDERED + b"q\x010](" + copies * b"h\x01h\x00\x85R" + b"e."
+
+
+def ordered_states() -> bytes:
+    """Ordered dictionaries that all take the attributes of a large dictionary."""
+    named = b"".join(b"U\x05" + f"{number:05d}".encode() + b"N" for number in range(2000))
+    one = b"h\x01)Rh\x00b"
+    return b"\x80\x02}(" + named + b"uq\x000" + ORDERED + b"q\x010](" + 20_000 * one + b"e."
+
+
+def swellings() -> dict[str, bytes]:
+    """Pickles that are small and would take much memory, or much time."""
+    shared = b"K\x01\x85q\x00" + b"".join(bytes([104, i, 134, 113, i + 1]) for i in range(40))
+    many = struct.pack("<i", 10**8)
+    long_key = b"(" + 5000 * b"K\x01" + b"tq\x000}("
+    return {
+        "ordered_key": b"\x80\x02" + ORDERED + b"]" + shared + b"K\x01\x86a\x85R.",
+        "ordered_copies": ordered_copies(),
+        "ordered_states": ordered_states(),
+        "texts_of_no_length": b"\x80\x02"
+        + ARRAY
+        + b"(K\x01J"
+        + many
+        + b"\x85"
+        + DTYPE
+        + b"U\x02U0K\x00K\x01\x87R\x89U\x00tb.",
+        "other_call": b"\x80\x02" + DTYPE + b"q\x00(N}U\x05_call" + ORDERED + b"stb0h\x00)R.",
+        "long_key": b"\x80\x02" + long_key + 20_000 * b"h\x00N" + b"u.",
+        "long_number": b"\x80\x02\x8b"
+        + struct.pack("<i", 500_000)
+        + 500_000 * b"\x01"
+        + b"q\x000}("
+        + 50_000 * b"h\x00N"
+        + b"u.",
+        "long_complex": b"\x80\x02c__builtin__\ncomplex\nU\x01" + b"1\x85R.",
+        "empty_lists": b"\x80\x02](" + (1 << 19) * b"]" + b"e.",
+        "empty_dictionaries": b"\x80\x02](" + (1 << 19) * b"}" + b"e.",
+        "marks": b"\x80\x02" + (1 << 19) * b"(" + b".",
+        "remembered": b"\x80\x04N" + (1 << 19) * b"\x94" + b".",
+        "long_name": b"\x80\x02c" + 1000 * b"os." + b"\n" + 100_000 * b"x" + b"\n.",
+    }
+
+
 # --- pictures ---
 
 

@@ -16,7 +16,10 @@ from scipy.spatial.transform import Rotation
 from sag.data.prox import ProxDataModule
 from sag.data.prox.fits import SIZES, SMPLX_JOINTS
 from sag.data.prox.kinect import JOINTS, SDK_JOINTS
-from sag.skeleton import PROX_16
+from sag.data.prox.recording import joint_places
+from sag.data.recordings.filters import Limits
+from sag.data.recordings.views import WindowFormat
+from sag.skeleton import PROX_16, Skeleton
 
 ROWS, COLUMNS = 108, 192
 DEPTH_ROWS, DEPTH_COLUMNS = 84, 102
@@ -192,6 +195,11 @@ def ply(vertices: np.ndarray, faces: list[list[int]]) -> str:
     ]  # fmt: skip
     lines = [" ".join(map(str, row)) for row in vertices.tolist()] + [" ".join(map(str, (3, *face))) for face in faces]
     return "\n".join(head + lines) + "\n"
+
+
+def form(skeleton: Skeleton = PROX_16) -> WindowFormat:
+    """How windows are stored, with small pictures."""
+    return WindowFormat(joint_places(skeleton), skeleton.root_index, SIZE, 1, Limits())
 
 
 def module(root: Path, cache_dir: Path, **options: object) -> ProxDataModule:

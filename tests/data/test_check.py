@@ -12,7 +12,7 @@ from hostile_files import COLOUR, NPZ, PICKLE, ROOM
 from PIL import Image
 
 from sag.data.check.command import main
-from sag.data.check.recordings import examine
+from sag.data.check.gta_im_recording import examine
 from sag.data.command import main as data
 from sag.data.known import recognised
 from sag.data.recordings.filters import Limits

@@ -6,9 +6,10 @@ from gta_im_files import body
 from rich.console import Console
 
 from sag.data.check.bodies import Bones, bones_line, bones_of
-from sag.data.check.recordings import LIMBS, WAY
-from sag.data.check.report import WIDTH, Line, Report, Section, graded, plain, show
+from sag.data.check.gta_im_recording import LIMBS, WAY
+from sag.data.check.report import WIDTH, Line, Report, Section, graded, show
 from sag.data.gta_im.recording import JOINTS
+from sag.text import plain
 
 
 def test_the_verdict_names_what_is_unusual():

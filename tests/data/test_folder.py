@@ -99,6 +99,16 @@ def test_without_its_pictures_the_person_is_sought_by_the_bones(tmp_path, data, 
     assert (found & told).sum() / (found | told).sum() > 0.5
 
 
+@pytest.mark.parametrize("pictured", [range(3), ()])
+def test_recordings_that_tell_the_person_in_some_frames_only_are_counted_apart(tmp_path, pictured):
+    root = write_root(tmp_path / "root")
+    for frame in {*range(6)} - {*pictured}:
+        (root / "take1" / f"{frame:05d}_person.png").unlink()
+    (said,) = module(root, tmp_path / "cache").remarks()
+    some = "pictures of where the person is in some frames only" if pictured else "no picture of where the person is"
+    assert said.startswith(f"1 recordings have {some}; there it is sought by the bones")
+
+
 def test_a_skeleton_of_fewer_joints_takes_its_own(tmp_path, data):
     left_out = "nose"
     fewer = {

@@ -9,9 +9,9 @@ import pytest
 from folder_files import SKELETON, SKIN, WORLD2CAM, Take, module, write_root, write_skeleton
 from PIL import Image
 
+from sag.data.check.bodies import way_between
 from sag.data.check.folder import inspect
 from sag.data.check.report import Line
-from sag.data.check.sights import way_between
 from sag.data.command import main
 from sag.data.folder import FolderDataModule
 from sag.data.known import recognised

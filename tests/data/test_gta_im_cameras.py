@@ -4,13 +4,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from gta_im_files import COLUMNS, ROWS, Sequence, camera, intrinsics, module
+from gta_im_files import COLUMNS, ROWS, Sequence, camera, form, intrinsics, module
 from scipy.spatial.transform import Rotation
 
 from sag.data.gta_im.cameras import camera_cuts, camera_zooms
 from sag.data.gta_im.filters import events
 from sag.data.gta_im.recording import Recording
-from sag.data.recordings.filters import Limits
 
 
 def still(frames: int = 20) -> np.ndarray:
@@ -73,7 +72,7 @@ def test_events_are_counted_and_told(tmp_path, capsys):
     sequence = Sequence()
     sequence.roots[66:] += [0.5, 0, 0]
     folder = sequence.write(tmp_path / "FPS-30" / "a")
-    assert events(Recording.read(folder), Limits()) == Counter({"root jumps": 1})
+    assert events(Recording.read(folder), form()) == Counter({"root jumps": 1})
     cache = module(tmp_path, tmp_path).build()
     assert cache.index["events"]["root jumps"] == 1 and "1 root jumps" in capsys.readouterr().out
     assert cache.cloud_depth.shape[1:] == (ROWS, COLUMNS)

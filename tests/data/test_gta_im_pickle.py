@@ -6,14 +6,13 @@ from pathlib import Path
 import gta_im_files as files
 import numpy as np
 import pytest
-from gta_im_files import Sequence, module
+from gta_im_files import Sequence, form, module
 from scipy.spatial.transform import Rotation
 
 from sag.data.gta_im.bones import BONES, FORWARD
 from sag.data.gta_im.filters import usable_starts
 from sag.data.gta_im.recording import Recording
 from sag.data.recordings import filters as why
-from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 
 OTHERS = [f"IK_{number}" for number in range(77)]
@@ -76,7 +75,7 @@ def test_windows_are_those_of_the_archive(tmp_path):
 def test_windows_with_a_missing_bone_are_dropped(tmp_path):
     recording = Recording.read(written(tmp_path / "a", {66: without("SKEL_L_Hand", 66)}))
     assert np.isnan(recording.joints[66]).any() and not np.isnan(recording.joints[65]).any()
-    starts, dropped = usable_starts(recording, 1, Limits(), recording.size)
+    starts, dropped = usable_starts(recording, 1, form())
     assert starts == [0, 1] and dropped == {why.NO_BONE: 4}
 
 

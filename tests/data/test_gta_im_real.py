@@ -2,9 +2,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gta_im_files import form
 from scipy.spatial.transform import Rotation
 
-from sag.data.check.recordings import examine
+from sag.data.check.gta_im_recording import examine
 from sag.data.command import main
 from sag.data.gta_im.bones import FORWARD, cameras_of
 from sag.data.gta_im.reader import GTA_IM
@@ -91,6 +92,6 @@ def test_the_persons_mask_holds_most_visible_joints(original):
 
 @real
 def test_the_real_recording_has_a_window_for_each_picture(original):
-    plan = planned([original.folder], 5, Limits(), PAPER, GTA_IM)
+    plan = planned([original.folder], 5, form(), PAPER, GTA_IM)
     assert [w.start for w in plan.windows if w.split == "test"] == list(range(638, 659))
     assert plan.dropped == {why.NO_PICTURE: 870} and plan.size == (1080, 1920)

@@ -150,7 +150,7 @@ def test_what_stands_before_or_behind_the_joints_is_not_the_person(recording, me
 @pytest.mark.parametrize("step", [1, 2, 3])
 def test_points_of_the_cloud_are_points_of_the_native_depth(recording, step):
     picture = recording.picture(0)
-    form = WindowFormat([], SIZE, step, Limits())
+    form = WindowFormat([], 0, SIZE, step, Limits())
     cloud = depth_cloud(picture, files.PERSON, form)
     depth = cloud["cloud_depth"].astype(float) / 1000
     assert depth.shape == form.cloud_size(ROWS, COLUMNS)
@@ -164,7 +164,7 @@ def test_points_of_the_cloud_are_points_of_the_native_depth(recording, step):
 
 def test_the_cloud_holds_no_person_no_rim_and_nothing_far(recording):
     picture = recording.picture(0)
-    depth = depth_cloud(picture, files.PERSON, WindowFormat([], SIZE, 1, Limits()))["cloud_depth"]
+    depth = depth_cloud(picture, files.PERSON, files.form())["cloud_depth"]
     rows, columns = np.nonzero(picture.ids == files.PERSON)
     for down in (-1, 0, 1):
         for right in (-1, 0, 1):

@@ -2,15 +2,19 @@ import builtins
 import os
 import pickle
 import subprocess
+import time
 from collections import OrderedDict
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hostile_memory import little_memory
+from hostile_traps import swellings
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sag.data.pickles import load_pickle
+from sag.data.pickles import _PlainUnpickler, _resolved, load_pickle
+from sag.data.stand_ins import Budget, ForbiddenError, StandIn
 from sag.errors import SagError
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
@@ -134,6 +138,52 @@ def test_what_calls_anything_is_refused_and_not_run(tmp_path, name, protocol):
 def test_the_refusal_holds_the_forbidden_name(tmp_path):
     with pytest.raises(SagError, match=r"names (posix|nt)\.system"):
         load_pickle(written(tmp_path, Calls(os.system, "true")))
+
+
+def test_the_refusal_is_short_whatever_the_name(tmp_path):
+    with pytest.raises(SagError) as error:
+        load_pickle(
+            written(
+                tmp_path, b"\x80\x04\x8c\x02os" + b"X" + (50_000).to_bytes(4, "little") + 25_000 * b"x\n" + b"\x93."
+            )
+        )
+    assert len(str(error.value)) < 600 and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", sorted(swellings()))
+def test_what_would_swell_is_refused_with_little_memory_and_soon(tmp_path, name):
+    path = written(tmp_path, swellings()[name])
+    start = time.process_time()
+    with little_memory(), pytest.raises(SagError, match=r"content\.pkl"):
+        load_pickle(path)
+    assert time.process_time() - start < 20
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_frames_such_as_gta_ims_never_take_too_much(tmp_path, protocol):
+    names, random = [f"SKEL_{number}" for number in range(98)], np.random.default_rng(0)
+    frame = [{"kpname": names[::-1], "kpvalue": random.random(294).tolist(), "cam": list(random.random((21, 3)))}]
+    content = pickle.dumps([pickle.loads(pickle.dumps(frame)) for _ in range(100)], protocol)
+    reader = _PlainUnpickler(content)
+    before = reader.budget.left
+    _resolved(reader.load(), {}, reader.budget)
+    # The base is left to small files: the frames of any length stay within their share.
+    assert before - reader.budget.left < before - Budget(0).left
+
+
+def test_files_above_the_limit_are_refused(tmp_path):
+    path = written(tmp_path, [bytes(1000)])
+    assert load_pickle(path, 1100) == [bytes(1000)]
+    with pytest.raises(SagError, match=r"content\.pkl is larger than the 1,000 bytes"):
+        load_pickle(path, 1000)
+
+
+def test_stand_ins_cannot_be_changed():
+    call = StandIn(len)
+    for change in (lambda: setattr(call, "_call", print), lambda: call.__setstate__(({}, {"_call": print}))):
+        with pytest.raises(ForbiddenError):
+            change()
+    assert call("abc") == 3
 
 
 def test_arrays_of_objects_are_refused(tmp_path):

@@ -2,18 +2,20 @@ import os
 import pickle
 import sys
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from prox_files import COLUMNS, ROWS, StandIn, Take, body, fit, module, write_root
+import torch
+from prox_files import StandIn, Take, body, fit, form, module, write_root
 
-from sag.data.prox import fits
+from sag.data.prox import bodies, fits
 from sag.data.prox.filters import NO_BODY, usable_starts
 from sag.data.prox.fits import SMPLX_JOINTS, Bodies, read_fit
 from sag.data.prox.recording import Recording
 from sag.data.prox.root import Root
-from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 
@@ -30,6 +32,7 @@ def models(tmp_path, monkeypatch) -> tuple[Path, StandIn]:
     """A folder with files named as SMPL-X's models, and a stand-in that reads them."""
     stand_in = StandIn()
     monkeypatch.setitem(sys.modules, "smplx", stand_in)
+    monkeypatch.setattr(bodies, "read_model", lambda path: {})
     (tmp_path / "models" / "smplx").mkdir(parents=True)
     for gender in ("MALE", "FEMALE"):
         (tmp_path / "models" / "smplx" / f"SMPLX_{gender}.npz").touch()
@@ -77,11 +80,22 @@ def test_many_fits_are_made_in_parts(root, models, monkeypatch):
     np.testing.assert_allclose(read(root, Bodies(models[0], ())).joints, take.joints, atol=1e-6)
 
 
+@pytest.mark.parametrize("gender", ["MALE", "FEMALE"])
+def test_another_model_is_another_cache(root, models, tmp_path, gender):
+    Take().write(root, NAME, fits=True)
+    first = module(root, tmp_path, smplx_models=models[0]).sources()
+    assert module(root, tmp_path, smplx_models=models[0]).sources() == first
+    (models[0] / "smplx" / "SMPLX_NEUTRAL.npz").write_bytes(b"which nobody is fitted with")
+    assert module(root, tmp_path, smplx_models=models[0]).sources() == first
+    (models[0] / "smplx" / f"SMPLX_{gender}.npz").write_bytes(b"another")
+    assert module(root, tmp_path, smplx_models=models[0]).sources() != first
+
+
 def test_missing_fits_drop_the_windows_that_need_them(root, models):
     take = Take()
     take.write(root, NAME, fits=True)
     (root / "PROXD" / NAME / "results" / take.names[2] / "000.pkl").unlink()
-    starts = usable_starts(read(root, Bodies(models[0], ())), 1, Limits(), (ROWS, COLUMNS))
+    starts = usable_starts(read(root, Bodies(models[0], ())), 1, form())
     assert starts == ([3, 4, 5], Counter({NO_BODY: 3}))
 
 
@@ -111,6 +125,43 @@ def test_models_that_smplx_cannot_use_are_named(root, models, tmp_path, monkeypa
     monkeypatch.setattr(models[1], "create", lambda *_, **__: 1 / 0)
     Take().write(root, NAME, fits=True)
     with pytest.raises(SagError, match=r"SMPLX_MALE\.npz cannot be used as a model"):
+        module(root, tmp_path, smplx_models=models[0]).build()
+
+
+def of_shape(*shape: int) -> Callable[..., SimpleNamespace]:
+    return lambda **_: SimpleNamespace(joints=torch.zeros(shape))
+
+
+def mismatch(**_: object) -> None:
+    raise RuntimeError("mat1 and mat2 shapes\ncannot be multiplied")
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (mismatch, r"makes no bodies by smplx \(mat1 and mat2 shapes cannot"),
+        (lambda transl: None, "makes no bodies by smplx"),
+        (lambda **_: None, "makes no bodies by smplx"),
+        (of_shape(1, 127, 3), "makes joints of shape"),
+        (of_shape(70, 16, 3), "makes joints of shape"),
+        (
+            lambda **_: SimpleNamespace(joints=torch.full((70, 127, 3), torch.nan)),
+            "makes joints by smplx that are not finite",
+        ),
+    ],
+)
+def test_another_smplx_is_refused_in_one_line(root, models, tmp_path, monkeypatch, made, said):
+    monkeypatch.setattr(models[1], "create", lambda *_, **__: SimpleNamespace(eval=lambda: made))
+    Take().write(root, NAME, fits=True)
+    with pytest.raises(SagError, match=rf"SMPLX_MALE\.npz {said}") as error:
+        module(root, tmp_path, smplx_models=models[0]).build()
+    assert "\n" not in str(error.value)
+
+
+def test_pickled_models_are_refused_with_the_way_out(root, models, tmp_path):
+    Take().write(root, NAME, fits=True)
+    (models[0] / "smplx" / "SMPLX_MALE.npz").rename(models[0] / "smplx" / "SMPLX_MALE.pkl")
+    with pytest.raises(SagError, match=r"SMPLX_MALE\.pkl is a pickle, .* take the \.npz"):
         module(root, tmp_path, smplx_models=models[0]).build()
 
 
@@ -147,6 +198,12 @@ def test_hostile_fits_are_refused_and_not_run(tmp_path):
 def test_fits_of_another_layout_are_refused(tmp_path, change):
     (tmp_path / "000.pkl").write_bytes(pickle.dumps({**fit(body()), **change}, protocol=2))
     with pytest.raises(SagError, match=f"000.pkl: {next(iter(change))}"):
+        read_fit(tmp_path / "000.pkl")
+
+
+def test_large_fits_are_refused(tmp_path):
+    (tmp_path / "000.pkl").write_bytes(pickle.dumps({**fit(body()), "more": bytes(2 << 20)}, protocol=2))
+    with pytest.raises(SagError, match=r"000\.pkl is larger than the 1,048,576 bytes"):
         read_fit(tmp_path / "000.pkl")
 
 

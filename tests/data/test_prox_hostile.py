@@ -17,6 +17,7 @@ from prox_files import StandIn, Take, module, write_root
 
 from sag.data.cache import WindowCache
 from sag.data.pictures import read_colour
+from sag.data.prox import bodies
 from sag.data.prox.calibration import Lens, read_world2cam
 from sag.data.prox.fits import read_fit
 from sag.data.prox.kinect import read_skeleton
@@ -58,6 +59,7 @@ def _copied(source: str, target: str) -> None:
 def build(root, tmp_path, monkeypatch) -> Callable[..., WindowCache]:
     """Reads the copy, with PROXD's fits where they are asked for."""
     monkeypatch.setitem(sys.modules, "smplx", StandIn())
+    monkeypatch.setattr(bodies, "read_model", lambda path: {})
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / "SMPLX_MALE.npz").touch()
 

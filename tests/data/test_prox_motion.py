@@ -4,15 +4,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from prox_files import CAM2WORLD, COLUMNS, ROWS, Take, skeleton, write_root
+from prox_files import CAM2WORLD, SIZE, Take, form, skeleton, write_root
+from skeletons import chest_rooted
 
-from sag.data.prox.filters import PAUSE, usable_starts
+from sag.data.prox.filters import PAUSE, events, usable_starts
 from sag.data.prox.kinect import JOINTS, SDK_JOINTS, read_skeleton
 from sag.data.prox.names import FrameName, RecordingName
 from sag.data.prox.recording import Recording
 from sag.data.prox.root import Root
+from sag.data.prox.views import stored_window
 from sag.data.recordings import filters as why
-from sag.data.recordings.filters import Limits
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 
@@ -121,7 +122,7 @@ def test_pictures_of_other_names_are_refused(root):
 
 def starts(root: Path, take: Take, **options: object) -> tuple[list[int], Counter[str]]:
     take.write(root, NAME)
-    return usable_starts(read(root, **options), 1, Limits(), (ROWS, COLUMNS))
+    return usable_starts(read(root, **options), 1, form())
 
 
 def test_whole_windows_are_kept(root):
@@ -162,13 +163,26 @@ def test_starts_without_measured_depth_are_dropped_where_it_is_used(root):
     take = Take()
     folder = take.write(root, NAME)
     (folder / "Depth" / f"{take.names[2]}.png").unlink()
-    assert usable_starts(read(root), 1, Limits(), (ROWS, COLUMNS))[0] == list(range(6))
-    found = usable_starts(read(root, depth="sensor"), 1, Limits(), (ROWS, COLUMNS))
+    assert usable_starts(read(root), 1, form())[0] == list(range(6))
+    found = usable_starts(read(root, depth="sensor"), 1, form())
     assert found == ([0, 1, 3, 4, 5], Counter({why.NO_PICTURE: 1}))
 
 
-def test_short_recordings_and_other_sizes_are_dropped(root):
+def test_short_recordings_are_dropped(root):
     assert starts(root, Take(64)) == ([], Counter({why.TOO_SHORT: 1}))
-    Take().write(root, "MPH16_00157_02")
-    other = Root(root, None, "scan").read(root / "recordings" / "MPH16_00157_02")
-    assert usable_starts(other, 5, Limits(), (1080, 1920)) == ([], Counter({why.OTHER_SIZE: 2}))
+
+
+def test_windows_are_centred_on_and_filtered_by_the_root_of_the_skeleton(root):
+    Take().write(root, NAME)
+    recording, chest = read(root), PROX_16.joints.index("chest")
+    for rooted in (PROX_16, chest_rooted()):
+        window = stored_window(recording, 2, form(rooted), False)
+        centre = window["intrinsics"] @ window["joints"][0, rooted.root_index]
+        np.testing.assert_allclose(centre[:2] / centre[2], [SIZE[1] / 2, SIZE[0] / 2], atol=1e-3)
+    recording.joints[66:, chest, 0] += 0.31
+    assert usable_starts(recording, 1, form()) == (list(range(6)), Counter())
+    assert usable_starts(recording, 1, form(chest_rooted())) == ([0, 1], Counter({why.ROOT_JUMPS: 4}))
+    jumps = [events(recording, form(rooted))[why.ROOT_JUMPS] for rooted in (PROX_16, chest_rooted())]
+    assert jumps == [0, 1]
+    recording.joints[66:, chest, 0] += 99
+    assert usable_starts(recording, 1, form(chest_rooted()))[1] == {why.ROOT_OUTSIDE: 4}

@@ -95,6 +95,20 @@ def test_few_motions_and_the_datas_own_notes_are_warned_of(runs):
     assert "far too small" in report(runs, "table.html") and "far too small" in report(runs, "table.tex")
 
 
+def test_who_was_pretrained_is_said(runs):
+    runs.add("md", data={"name": "prox"})
+    runs.add("mdpc", data={"name": "prox"})
+    runs.add_truth(data={"name": "prox"})
+    assert "No row was pre-trained; the paper's rows on PROX were" in report(runs)
+    runs.add("md", data={"name": "prox"}, pretrained="before/md/checkpoints/last.ckpt")
+    text = report(runs)
+    assert "Only md started in checkpoints of other data" in text
+    assert "training started in before/md/checkpoints/last.ckpt" in text
+    runs.add("mdpc", data={"name": "prox"}, pretrained="before/mdpc/checkpoints/last.ckpt")
+    assert "pre-trained;" not in report(runs)
+    assert "Only" not in report(runs)
+
+
 def test_seeds_are_mean_deviation_and_n(runs):
     for seed, fid in enumerate((10.0, 14.0, 18.0)):
         runs.add(f"m-s{seed}", fid, seed=seed)

@@ -74,6 +74,14 @@ def test_table_1_is_the_papers_six_rows(tmp_path, monkeypatch):
     assert names == ["encoders", "ground_truth", "none", "m", "md", "mdc", "mdp", "mdpc", "blind"]
 
 
+@pytest.mark.parametrize(
+    ("table", "metric", "goal"),
+    [("table3", "test/motion_fid/average", "minimize"), ("table4", "test/non_collision/average", "maximize")],
+)
+def test_wandb_is_told_the_figure_that_the_table_is_of(table, metric, goal):
+    assert yaml.safe_load((SWEEPS / f"{table}.yaml").read_text())["metric"] == {"name": metric, "goal": goal}
+
+
 @pytest.mark.parametrize("path", sorted(SWEEPS.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_sweep_file_holds_what_wandb_sweep_asks_for(path):
     content = yaml.safe_load(path.read_text())

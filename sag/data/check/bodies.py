@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sag.data.check.report import Line, graded
+from sag.skeleton import Skeleton
 
 STATURE = (0.9, 2.3)
 """Plausible ways from the head along the bones to an ankle, metres."""
@@ -37,6 +38,18 @@ class Bones:
     def plausible(self) -> bool:
         """Whether they are a person's, in metres."""
         return STATURE[0] <= self.stature <= STATURE[1]
+
+
+def way_between(skeleton: Skeleton, start: str, end: str) -> list[int]:
+    """Places of the joints along the bones from one joint to another."""
+    parent = {child: parent for parent, child in skeleton.bones}
+
+    def upwards(joint: str) -> list[str]:
+        return [joint, *(upwards(parent[joint]) if joint in parent else [])]
+
+    up, down = upwards(start), upwards(end)
+    shared = next(joint for joint in up if joint in down)
+    return skeleton.index(*up[: up.index(shared)], *reversed(down[: down.index(shared) + 1]))
 
 
 def bones_of(joints: Float[np.ndarray, "t j 3"], limbs: Int[np.ndarray, "bones 2"], way: list[int]) -> Bones | None:

@@ -11,7 +11,9 @@ from rich.console import Console
 from sag.data.check.report import show
 from sag.data.known import imported, recognised
 from sag.data.options import module_from
+from sag.data.sheet import check_sheet
 from sag.errors import SagError
+from sag.text import plain
 
 
 def parser() -> argparse.ArgumentParser:
@@ -40,11 +42,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked, options = parser().parse_known_args(arguments)
     if asked.pictures != "all" and not asked.pictures.isdecimal():
         raise SagError(f"--pictures must be a number or all, found {asked.pictures!r}")
+    if asked.sheet is not None:
+        check_sheet("--sheet", asked.sheet, asked.count)
     known, root = recognised(asked.path)
     module, _ = module_from(known, root, options, asked.config)
     inspection = imported(known.inspector)(module, None if asked.pictures == "all" else int(asked.pictures))
     show(inspection.report, Console())
     if asked.sheet is not None:
         inspection.draw(asked.sheet, asked.count)
-        print(f"the sheet is in {asked.sheet}")
+        print(f"the sheet is in {plain(str(asked.sheet))}")
     return 1 if inspection.report.lines("broken") else 0

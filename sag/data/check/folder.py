@@ -4,44 +4,26 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from sag.data.check.bodies import Bones, bones_line, bones_of
+from sag.data.check.bodies import bones_line, bones_of, way_between
+from sag.data.check.findings import Findings, broken_line, decoded_line, jumps_line
 from sag.data.check.report import Line, Report, Section, by_recording
-from sag.data.check.sights import Sight, sight_lines, sight_of, way_between
+from sag.data.check.sights import Sight, sight_lines
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.folder import FolderDataModule
 from sag.data.folder.files import MOTION
 from sag.data.folder.recording import Recording
-from sag.data.recordings.filters import root_jumps
+from sag.data.recordings.filters import inside_picture, pixels_of, root_jumps
 from sag.errors import SagError
 from sag.skeleton import Skeleton
 
-
-@dataclass
-class Findings:
-    """One recording.
-
-    Attributes:
-        folder: its place.
-        recording: what was read; nothing where it is broken.
-        broken: sentences on files that are.
-        sights: what its decoded frames show.
-        bones: their lengths; nothing where no joint is called head.
-        jumps: frames after which the root is elsewhere.
-    """
-
-    folder: Path
-    recording: Recording | None = None
-    broken: list[str] = field(default_factory=list)
-    sights: list[Sight] = field(default_factory=list)
-    bones: Bones | None = None
-    jumps: list[int] = field(default_factory=list)
+Found = Findings[Recording, Sight]
 
 
 def inspect(module: FolderDataModule, pictures: int | None) -> Inspection:
@@ -58,17 +40,20 @@ def inspect(module: FolderDataModule, pictures: int | None) -> Inspection:
     everything = [_examined(module, f, pictures) for f in track(folders, "checking", transient=True, console=say)]
     readable = [found.recording for found in everything if found.recording is not None]
     plan = module.plan([recording.folder for recording in readable]) if readable else None
-    sights = [sight for found in everything for sight in found.sights]
+    sights = [sight for found in everything for sight in found.looks]
+    files = decoded_line(everything), broken_line(everything, module.root)
+    there = (*_presence(module, readable), *_pictures(readable), *files)
+    jumps = jumps_line(everything, module.form.limits.root_step)
     sections = (
-        Section("What is there", (*_presence(module, readable), *_pictures(readable), *_files(everything))),
+        Section("What is there", there),
         windows_section(plan, module.stride, module.root.name, len(everything) - len(readable)),
-        Section("Motion and scale", (_motion(everything), _bones(module.told, everything), *sight_lines(sights))),
+        Section("Motion and scale", (jumps, _bones(module.told, everything), *sight_lines(sights))),
     )
     return Inspection(Report(f"Own data in {module.root}", sections), plan, module)
 
 
-def _examined(module: FolderDataModule, folder: Path, pictures: int | None) -> Findings:
-    found = Findings(folder)
+def _examined(module: FolderDataModule, folder: Path, pictures: int | None) -> Found:
+    found = Found(folder)
     try:
         recording = found.recording = module.reader.read(folder)
     except SagError as error:
@@ -78,14 +63,28 @@ def _examined(module: FolderDataModule, folder: Path, pictures: int | None) -> F
     if "head" in module.told.joints:
         way = way_between(module.told, "head", "right_ankle")
         found.bones = bones_of(recording.joints, module.told.bone_index, way)
-    frames = np.array(sorted(recording.pictures.complete))
-    count = len(frames) if pictures is None else min(pictures, len(frames))
-    for frame in frames[np.linspace(0, len(frames) - 1, count).round().astype(int)].tolist():
-        try:
-            found.sights.append(sight_of(recording, frame))
-        except SagError as error:
-            found.broken.append(str(error))
+    found.look_at(sorted(recording.pictures.complete), pictures, partial(_sight_of, recording))
     return found
+
+
+def _sight_of(recording: Recording, frame: int) -> Sight:
+    """Looks at a frame that has pictures.
+
+    Raises:
+        SagError: a picture cannot be read.
+    """
+    pictures, world = recording.pictures, recording.joints[frame]
+    pictures.colour(frame)  # for what is broken in it alone
+    depth, person = pictures.depth(frame), pictures.person(frame)
+    joints = recording.seen_from(frame, slice(frame, frame + 1))[0]
+    pixels = pixels_of(joints, recording.intrinsics[frame])
+    inside = inside_picture(pixels, *recording.size) & (joints[:, 2] > 0)
+    columns, rows = pixels[inside].astype(int).T
+    seen = depth[rows, columns]
+    gaps = (joints[inside, 2] - seen)[seen > 0]
+    on_person = np.nan if person is None or not len(rows) else float(person[rows, columns].mean())
+    height = float(world[recording.root, 2] - world[recording.skeleton.feet, 2].min())
+    return Sight(float(inside.mean()), gaps, on_person, height)
 
 
 def _presence(module: FolderDataModule, readable: Sequence[Recording]) -> list[Line]:
@@ -115,22 +114,7 @@ def _pictures(readable: Sequence[Recording]) -> list[Line]:
     return lines + ([Line("incomplete", "frames that lack their depth", "look", partly)] if partly else [])
 
 
-def _files(everything: Sequence[Findings]) -> list[Line]:
-    decoded, broken = sum(len(found.sights) for found in everything), [s for found in everything for s in found.broken]
-    said = f"{len(broken)}, in {sum(bool(found.broken) for found in everything)} recordings" if broken else "none"
-    return [
-        Line("decoded", f"the pictures of {decoded:,} frames", "ok" if decoded else "look"),
-        Line("broken files", said, "broken" if broken else "ok", tuple(broken)),
-    ]
-
-
-def _motion(everything: Sequence[Findings]) -> Line:
-    jumps = sum(len(found.jumps) for found in everything)
-    where = by_recording((found.folder, found.jumps) for found in everything)
-    return Line("root teleports", f"{jumps}, after the frames" if jumps else "0", details=where)
-
-
-def _bones(told: Skeleton, everything: Sequence[Findings]) -> Line:
+def _bones(told: Skeleton, everything: Sequence[Found]) -> Line:
     if "head" not in told.joints:
         return Line("bones", "no joint is called head, so nobody's height is known", "look")
     return bones_line([(found.folder.name, found.bones) for found in everything if found.bones is not None])

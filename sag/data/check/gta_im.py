@@ -9,9 +9,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import track
 
-from sag.data.check.recordings import Findings, examine
-from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several, within
-from sag.data.check.scale import scale_lines
+from sag.data.check.findings import broken_line, decoded_line, jumps_line
+from sag.data.check.gta_im_recording import GtaImFindings, examine
+from sag.data.check.gta_im_scale import scale_lines
+from sag.data.check.report import Line, Report, Section, by_recording, several
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.gta_im.files import ARCHIVE
 from sag.data.gta_im.module import RATES, GtaImDataModule
@@ -49,7 +50,7 @@ def inspect(module: GtaImDataModule, pictures: int | None) -> Inspection:
     return Inspection(Report(f"GTA-IM in {module.root}", tuple(sections)), plan, module)
 
 
-def _presence(root: Path, everything: Sequence[Findings]) -> list[Line]:
+def _presence(root: Path, everything: Sequence[GtaImFindings]) -> list[Line]:
     rates = Counter(found.folder.parent.name for found in everything)
     absent = [rate for rate in RATES if rate not in rates]
     readable = [found.recording for found in everything if found.recording is not None]
@@ -74,40 +75,26 @@ def _presence(root: Path, everything: Sequence[Findings]) -> list[Line]:
     return lines
 
 
-def _files(everything: Sequence[Findings], root: Path) -> list[Line]:
+def _files(everything: Sequence[GtaImFindings], root: Path) -> list[Line]:
     """What can be read, and what cannot."""
-    looks, broken = sum(len(found.looks) for found in everything), [s for found in everything for s in found.broken]
     partly = by_recording((found.folder, found.incomplete) for found in everything)
-    lines = [Line("decoded", f"the pictures of {looks:,} frames", "ok" if looks else "look")]
-    if partly:
-        count = sum(len(found.incomplete) for found in everything)
-        lines.append(Line("incomplete", f"some pictures are missing in {several(count, 'frame')}", "look", partly))
-    said = f"{len(broken)}, in {several(sum(bool(found.broken) for found in everything), 'recording')}"
-    verdict: Verdict = "broken" if broken else "ok"
-    return [*lines, Line("broken files", said if broken else "none", verdict, within(broken, root))]
+    count = sum(len(found.incomplete) for found in everything)
+    incomplete = Line("incomplete", f"some pictures are missing in {several(count, 'frame')}", "look", partly)
+    return [decoded_line(everything), *([incomplete] if partly else []), broken_line(everything, root)]
 
 
-def _motion(readable: Sequence[Findings], step: float) -> list[Line]:
+def _motion(readable: Sequence[GtaImFindings], step: float) -> list[Line]:
     """Teleports by more than a step (metres), cuts and zooms, with their frames."""
-    jumps, cuts, zooms = (sum(len(getattr(found, name)) for found in readable) for name in ("jumps", "cuts", "zooms"))
+    cuts, zooms = (sum(len(getattr(found, name)) for found in readable) for name in ("cuts", "zooms"))
     where = [
         f"{found.folder.name}: {cut.frame} to {cut.frame + 1}, {cut.step:.1f} m and {cut.turn:.0f} degrees, "
         f"focal length {cut.focal[0]:.0f} to {cut.focal[1]:.0f} px"
         for found in readable
         for cut in found.cuts
     ]
-    over = f"which no window goes over: by more than {step:g}"
-    jumped, zoomed = (by_recording((f.folder, get(f)) for f in readable) for get in (_jumps, _zooms))
+    zoomed = by_recording((f.folder, [f"{first} to {last}" for first, last in f.zooms]) for f in readable)
     return [
-        Line("root teleports", f"{jumps}, {over} m; after the frames" if jumps else "0", details=jumped),
+        jumps_line(readable, step),
         Line("camera cuts", f"{cuts}, which drop no window; between the frames" if cuts else "0", details=tuple(where)),
         Line("camera zooms", f"{zooms}, which drop no window; in the frames" if zooms else "0", details=zoomed),
     ]
-
-
-def _jumps(found: Findings) -> list[int]:
-    return found.jumps
-
-
-def _zooms(found: Findings) -> list[str]:
-    return [f"{first} to {last}" for first, last in found.zooms]

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from sag.data.check.bodies import Bones, bones_line, bones_of
+from sag.data.check.bodies import bones_line, bones_of
+from sag.data.check.findings import Findings, broken_line, decoded_line, jumps_line
 from sag.data.check.prox_looks import Look, look_at, look_lines
-from sag.data.check.report import Line, Report, Section, Verdict, by_recording, several, within
+from sag.data.check.report import Line, Report, Section, Verdict, several
 from sag.data.check.windows import Inspection, windows_section
 from sag.data.prox import ProxDataModule
 from sag.data.prox.recording import Recording, stems
@@ -28,25 +28,7 @@ KINDS = {"Color": ".jpg", "Depth": ".png", "BodyIndex": ".png", "BodyIndexColor"
 """Folders of a recording, and how their files end."""
 
 
-@dataclass
-class Findings:
-    """One recording.
-
-    Attributes:
-        folder: its place.
-        recording: what was read; nothing where it is broken.
-        broken: sentences on files that are.
-        looks: at the decoded frames.
-        bones: their lengths.
-        jumps: frames after which the root is elsewhere.
-    """
-
-    folder: Path
-    recording: Recording | None = None
-    broken: list[str] = field(default_factory=list)
-    looks: list[Look] = field(default_factory=list)
-    bones: Bones | None = None
-    jumps: list[int] = field(default_factory=list)
+Found = Findings[Recording, Look]
 
 
 def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
@@ -66,35 +48,36 @@ def inspect(module: ProxDataModule, pictures: int | None) -> Inspection:
     plan = module.plan(usable) if usable else None
     known = [(found.folder.name, found.bones) for found in readable if found.bones is not None]
     looks = [look for found in readable for look in found.looks]
-    there = (*_presence(module, readable), *_kinds(folders), *_files(everything, module.root))
+    there = (
+        *_presence(module, readable),
+        *_kinds(folders),
+        decoded_line(everything),
+        broken_line(everything, module.root),
+    )
     sections = [
         Section("What is there", there),
         windows_section(plan, module.stride, "recordings", len(everything) - len(readable)),
     ]
     if readable:
-        sections.append(Section("Motion and scale", (_motion(readable), bones_line(known), *look_lines(looks))))
+        jumps = jumps_line(readable, module.form.limits.root_step)
+        sections.append(Section("Motion and scale", (jumps, bones_line(known), *look_lines(looks))))
     return Inspection(Report(f"PROX in {module.root}", tuple(sections)), plan, module)
 
 
-def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Findings:
-    found = Findings(folder)
+def _examined(module: ProxDataModule, folder: Path, pictures: int | None) -> Found:
+    found = Found(folder)
     try:
         recording = found.recording = module.files.read(folder)
     except SagError as error:
         found.broken.append(str(error))
         return found
     found.bones = bones_of(recording.joints, PROX_16.bone_index, WAY)
-    found.jumps = root_jumps(recording.joints[:, PROX_16.root_index], module.form.limits)
-    count = len(recording) if pictures is None else min(pictures, len(recording))
-    for frame in np.linspace(0, len(recording) - 1, count).round().astype(int).tolist():
-        try:
-            found.looks.append(look_at(recording, frame))
-        except SagError as error:
-            found.broken.append(str(error))
+    found.jumps = root_jumps(recording.joints[:, module.form.root_place], module.form.limits)
+    found.look_at(range(len(recording)), pictures, partial(look_at, recording))
     return found
 
 
-def _presence(module: ProxDataModule, readable: Sequence[Findings]) -> list[Line]:
+def _presence(module: ProxDataModule, readable: Sequence[Found]) -> list[Line]:
     """What lies beside the recordings."""
     root, scenes = module.root, Counter(path.name.split("_")[0] for path in module.files.recordings)
     bodies = "PROXD's fits" if module.files.bodies else "the Kinect's skeletons: give smplx_models for PROXD's fits"
@@ -124,18 +107,3 @@ def _kinds(folders: Sequence[Path]) -> list[Line]:
         said = f"{sum(counts.values()):,} files{few}"
         lines.append(Line(kind, said, "look" if fewer else "ok", fewer))
     return lines
-
-
-def _files(everything: Sequence[Findings], root: Path) -> list[Line]:
-    decoded, broken = sum(len(found.looks) for found in everything), [s for found in everything for s in found.broken]
-    said = f"{len(broken)}, in {several(sum(bool(found.broken) for found in everything), 'recording')}"
-    return [
-        Line("decoded", f"the pictures of {decoded:,} frames", "ok" if decoded else "look"),
-        Line("broken files", said if broken else "none", "broken" if broken else "ok", within(broken, root)),
-    ]
-
-
-def _motion(readable: Sequence[Findings]) -> Line:
-    jumps = sum(len(found.jumps) for found in readable)
-    where = by_recording((found.folder, found.jumps) for found in readable)
-    return Line("root teleports", f"{jumps}, after the frames" if jumps else "0", details=where)

@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from sag.text import plain
+
 Verdict = Literal["", "ok", "look", "broken"]
 """Told only, as it should be, unusual, or unusable."""
 
@@ -91,17 +93,11 @@ def show(report: Report, console: Console) -> None:
     console.print(Text(plain(report.title), style="bold"), width=width)
     for section in report.sections:
         console.print()
-        console.print(Text(section.title, style="bold"), width=width)
+        console.print(Text(plain(section.title), style="bold"), width=width)
         console.print(_grid(section.lines, width))
     style = "bold red" if report.lines("broken") else "bold green"
     console.print()
     console.print(Text(report.verdict, style=style), width=width)
-
-
-def plain(text: str) -> str:
-    """The text with what would move the cursor, or cannot be written, spelt out: file names may hold anything."""
-    spelt = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
-    return spelt.encode("utf-8", "backslashreplace").decode()
 
 
 def _grid(lines: Sequence[Line], width: int) -> Table:

@@ -1,4 +1,4 @@
-"""Whether joints, cameras and depth of a data set of one's own agree: the usual mistakes are of frames and units."""
+"""What decoded frames show of the person, and whether joints, cameras and depth agree in it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from sag.data.check.report import Line, graded
-from sag.data.folder.recording import Recording
-from sag.data.recordings.filters import inside_picture, pixels_of
-from sag.skeleton import Skeleton
 
 IN_PICTURE = (0.5, 0.1)
 """Shares of the joints in the picture that are usual, and below which the camera is not that of the motion."""
@@ -43,26 +40,6 @@ class Sight:
     height: float
 
 
-def sight_of(recording: Recording, frame: int) -> Sight:
-    """Looks at a frame that has pictures.
-
-    Raises:
-        SagError: a picture cannot be read.
-    """
-    pictures, world = recording.pictures, recording.joints[frame]
-    pictures.colour(frame)  # for what is broken in it alone
-    depth, person = pictures.depth(frame), pictures.person(frame)
-    joints = recording.seen_from(frame, slice(frame, frame + 1))[0]
-    pixels = pixels_of(joints, recording.intrinsics[frame])
-    inside = inside_picture(pixels, *recording.size) & (joints[:, 2] > 0)
-    columns, rows = pixels[inside].astype(int).T
-    seen = depth[rows, columns]
-    gaps = (joints[inside, 2] - seen)[seen > 0]
-    on_person = np.nan if person is None or not len(rows) else float(person[rows, columns].mean())
-    height = float(world[recording.root, 2] - world[recording.skeleton.feet, 2].min())
-    return Sight(float(inside.mean()), gaps, on_person, height)
-
-
 def sight_lines(sights: Sequence[Sight]) -> list[Line]:
     """Lines on the world's axes, cameras, depth and person.
 
@@ -88,15 +65,3 @@ def sight_lines(sights: Sequence[Sight]) -> list[Line]:
         said = f"{share:.0%} of the joints in the picture are on the person"
         lines.append(Line("on person", said, graded(-share, -ON_PERSON[0], -ON_PERSON[1])))
     return lines
-
-
-def way_between(skeleton: Skeleton, start: str, end: str) -> list[int]:
-    """Places of the joints along the bones from one joint to another."""
-    parent = {child: parent for parent, child in skeleton.bones}
-
-    def upwards(joint: str) -> list[str]:
-        return [joint, *(upwards(parent[joint]) if joint in parent else [])]
-
-    up, down = upwards(start), upwards(end)
-    shared = next(joint for joint in up if joint in down)
-    return skeleton.index(*up[: up.index(shared)], *reversed(down[: down.index(shared) + 1]))

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from sag.data.cache import PERSON, SPLITS
-from sag.data.check.report import Line, Report, Section, plain, several
+from sag.data.check.report import Line, Report, Section, several
 from sag.data.recordings.filters import BROKEN
 from sag.data.recordings.plan import Plan, Window
 from sag.data.sheet import Tile, draw_sheet, projected
 from sag.errors import SagError
+from sag.text import plain
 from sag.types import FRAMES
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sag.data.folder.files import GUIDE, MOTION, SKELETON, Head, read_head
-from sag.data.folder.pictures import PERSON
+from sag.data.folder.pictures import Pictures
 from sag.data.folder.reader import events, stored_window, usable_starts
 from sag.data.folder.recording import Recording, recordings_in
 from sag.data.folder.split import NamedRooms, in_order
@@ -126,11 +126,18 @@ class FolderDataModule(RecordedDataModule):
         return next((head.fps for head in self.heads.values()), 0.0)
 
     def remarks(self) -> list[str]:
-        """Whether the person was told by pictures."""
-        without = [f.name for f in self.recordings() if not any(f.glob(f"*{PERSON}"))]
-        if not without:
-            return []
-        return [
-            f"{len(without)} recordings have no picture of where the person is, which is sought by the bones; what is "
-            "missed of it counts as scene"
-        ]
+        """How many recordings do not tell, by pictures of all frames that windows start in, where the person is."""
+        told = [_tells_person(Pictures(folder)) for folder in self.recordings()]
+        counts = {
+            "recordings have no picture of where the person is": sum(not any(frames) for frames in told),
+            "recordings have pictures of where the person is in some frames only": sum(
+                any(frames) and not all(frames) for frames in told
+            ),
+        }
+        sought = "there it is sought by the bones, and what is missed of it counts as scene"
+        return [f"{count} {without}; {sought}" for without, count in counts.items() if count]
+
+
+def _tells_person(pictures: Pictures) -> list[bool]:
+    """For each frame with colour and depth, whether a picture tells where the person is."""
+    return [pictures.tells_person(frame) for frame in pictures.complete]

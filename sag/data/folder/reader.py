@@ -11,9 +11,7 @@ from sag.data.folder.recording import Recording
 from sag.data.recordings.body import BEHIND_SKIN, body_depth
 from sag.data.recordings.filters import (
     NO_PICTURE,
-    OTHER_SIZE,
     ROOT_JUMPS,
-    Limits,
     faultless_starts,
     jumps_in,
     motion_fault,
@@ -26,36 +24,31 @@ NOTHING, PERSON = 0, 1
 """Ids in a native picture."""
 
 
-def events(recording: Recording, limits: Limits) -> Counter[str]:
+def events(recording: Recording, form: WindowFormat) -> Counter[str]:
     """How often the root of a recording jumps."""
-    return Counter({ROOT_JUMPS: len(root_jumps(recording.joints[:, recording.root], limits))})
+    return Counter({ROOT_JUMPS: len(root_jumps(recording.joints[:, form.root_place], form.limits))})
 
 
-def usable_starts(
-    recording: Recording, stride: int, limits: Limits, size: tuple[int, int]
-) -> tuple[list[int], Counter[str]]:
+def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tuple[list[int], Counter[str]]:
     """Frames where a usable window starts, and how many windows were dropped for what.
 
     Args:
         recording: a recording.
         stride: frames from one window to the next.
-        limits: what a window must keep to.
-        size: rows and columns that the pictures must have.
+        form: how windows are stored, and what they must keep to.
     """
-    jumps = root_jumps(recording.joints[:, recording.root], limits)
-    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, limits, size))
+    jumps = root_jumps(recording.joints[:, form.root_place], form.limits)
+    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, form))
 
 
-def _fault(recording: Recording, start: int, jumps: list[int], limits: Limits, size: tuple[int, int]) -> str | None:
+def _fault(recording: Recording, start: int, jumps: list[int], form: WindowFormat) -> str | None:
     """The first reason against the window that starts at a frame."""
     if start not in recording.pictures.complete:
         return NO_PICTURE
-    if recording.size != size:
-        return OTHER_SIZE
     if jumps_in(jumps, start):
         return ROOT_JUMPS
-    joints = recording.seen_from(start, slice(start, start + FRAMES))
-    return motion_fault(joints, recording.root, recording.intrinsics[start], recording.size, limits)
+    joints = recording.seen_from(start, slice(start, start + FRAMES))[:, form.joints]
+    return motion_fault(joints, form.root, recording.intrinsics[start], recording.size, form.limits)
 
 
 def stored_window(
@@ -79,7 +72,7 @@ def stored_window(
         return None
     picture = Picture(colour, depth, np.where(person, PERSON, NOTHING), recording.intrinsics[start])
     window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start]}
-    window |= centred_picture(picture, joints[0, recording.root], PERSON, form)
+    window |= centred_picture(picture, joints[0, form.root_place], PERSON, form)
     return window | (depth_cloud(picture, PERSON, form) if with_cloud else {})
 
 

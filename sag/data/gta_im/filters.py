@@ -7,56 +7,50 @@ from collections import Counter
 import numpy as np
 
 from sag.data.gta_im.cameras import camera_cuts, camera_zooms
-from sag.data.gta_im.recording import ROOT, Recording
+from sag.data.gta_im.recording import Recording
 from sag.data.recordings.filters import (
     NO_CLIPS,
     NO_PICTURE,
-    OTHER_SIZE,
     ROOT_JUMPS,
-    Limits,
     faultless_starts,
     jumps_in,
     motion_fault,
     root_jumps,
 )
+from sag.data.recordings.views import WindowFormat
 from sag.types import FRAMES
 
 
-def events(recording: Recording, limits: Limits) -> Counter[str]:
+def events(recording: Recording, form: WindowFormat) -> Counter[str]:
     """What happens in a recording that windows must cope with: how often its root jumps, its camera cuts and zooms.
 
     A cut or zoom drops no window: all of it is seen through the camera of its first frame.
     """
     cuts = camera_cuts(recording.world2cam, recording.intrinsics)
     zooms = camera_zooms(recording.intrinsics, cuts)
-    jumps = root_jumps(recording.joints[:, ROOT], limits)
+    jumps = root_jumps(recording.joints[:, form.root_place], form.limits)
     return Counter({"root jumps": len(jumps), "camera cuts": len(cuts), "camera zooms": len(zooms)})
 
 
-def usable_starts(
-    recording: Recording, stride: int, limits: Limits, size: tuple[int, int]
-) -> tuple[list[int], Counter[str]]:
+def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tuple[list[int], Counter[str]]:
     """Frames where a usable window starts, and how many windows were dropped for what.
 
     Args:
         recording: a recording.
         stride: frames from one window to the next.
-        limits: what a window must keep to.
-        size: rows and columns that the pictures must have.
+        form: how windows are stored, and what they must keep to.
     """
-    jumps = root_jumps(recording.joints[:, ROOT], limits)
-    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, limits, size))
+    jumps = root_jumps(recording.joints[:, form.root_place], form.limits)
+    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, form))
 
 
-def _fault(recording: Recording, start: int, jumps: list[int], limits: Limits, size: tuple[int, int]) -> str | None:
+def _fault(recording: Recording, start: int, jumps: list[int], form: WindowFormat) -> str | None:
     """The first reason against the window that starts at a frame."""
     if start not in recording.pictured:
         return NO_PICTURE
-    if recording.size != size:
-        return OTHER_SIZE
     if not np.isfinite(recording.clips[start]).all():
         return NO_CLIPS
     if jumps_in(jumps, start):
         return ROOT_JUMPS
-    joints = recording.seen_from(start, slice(start, start + FRAMES))
-    return motion_fault(joints, ROOT, recording.intrinsics[start], recording.size, limits)
+    joints = recording.seen_from(start, slice(start, start + FRAMES))[:, form.joints]
+    return motion_fault(joints, form.root, recording.intrinsics[start], recording.size, form.limits)

@@ -36,7 +36,8 @@ CHEST = "spine0"
 NATIVE = (1080, 1920)
 """Rows and columns of the original pictures."""
 
-_SUFFIXES = (".jpg", ".png", "_id.png")
+SUFFIXES = (".jpg", ".png", "_id.png")
+"""How the names of a frame's pictures end: colour, depth and ids."""
 
 
 def joint_places(skeleton: Skeleton) -> list[int]:
@@ -102,7 +103,7 @@ class Recording:
         """Frames that have colour, depth and ids."""
         names = {path.name for path in self.folder.iterdir()}
         frames = (int(n[:5]) for n in names if n[5:] == ".jpg" and n[:5].isdecimal() and n.isascii())
-        return frozenset(f for f in frames if all(self._file(f, s).name in names for s in _SUFFIXES))
+        return frozenset(f for f in frames if all(self._file(f, s).name in names for s in SUFFIXES))
 
     @property
     def size(self) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from sag.data.gta_im.recording import ROOT, Recording
+from sag.data.gta_im.recording import Recording
 from sag.data.recordings.filters import inside_picture, pixels_of
 from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
 from sag.types import FRAMES
@@ -37,7 +37,7 @@ def stored_window(
     if person is None:
         return None
     window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start].T}
-    window |= centred_picture(picture, joints[0, ROOT], person, form)
+    window |= centred_picture(picture, joints[0, form.root_place], person, form)
     return window | (depth_cloud(picture, person, form) if with_cloud else {})
 
 

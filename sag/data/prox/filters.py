@@ -11,16 +11,14 @@ from sag.data.prox.recording import Recording
 from sag.data.recordings.filters import (
     JOINT_BEHIND,
     NO_PICTURE,
-    OTHER_SIZE,
     ROOT_JUMPS,
     ROOT_OUTSIDE,
     TOO_SHORT,
-    Limits,
     inside_picture,
     pixels_of,
     root_jumps,
 )
-from sag.skeleton import PROX_16
+from sag.data.recordings.views import WindowFormat
 from sag.types import FRAMES
 
 NO_BODY = "no fit or skeleton in one of the frames"
@@ -30,23 +28,18 @@ LONGEST_PAUSE = 0.1
 """From one frame to the next, seconds: two or more frames of the nominal 30 a second are missing."""
 
 
-def usable_starts(
-    recording: Recording, stride: int, limits: Limits, size: tuple[int, int]
-) -> tuple[list[int], Counter[str]]:
+def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tuple[list[int], Counter[str]]:
     """Frames where a usable window starts, and how many windows were dropped for what.
 
     Args:
         recording: a recording.
         stride: frames from one window to the next.
-        limits: what a window must keep to.
-        size: rows and columns that the pictures must have.
+        form: how windows are stored, and what they must keep to.
     """
     if len(recording) < FRAMES:
         return [], Counter({TOO_SHORT: 1})
     starts = range(0, len(recording) - FRAMES + 1, stride)
-    if recording.size != size:
-        return [], Counter({OTHER_SIZE: len(starts)})
-    frames, steps = _faulty_frames(recording, limits), _faulty_steps(recording, limits)
+    frames, steps = _faulty_frames(recording, form), _faulty_steps(recording, form)
     pictured = recording.measured if recording.scan is None else np.ones(len(recording), bool)
     usable: list[int] = []
     dropped: Counter[str] = Counter()
@@ -62,26 +55,26 @@ def usable_starts(
     return usable, dropped
 
 
-def events(recording: Recording, limits: Limits) -> Counter[str]:
+def events(recording: Recording, form: WindowFormat) -> Counter[str]:
     """What happens in a recording that windows must cope with, and how often."""
-    return Counter({reason: int(faulty.sum()) for reason, faulty in _faulty_steps(recording, limits).items()})
+    return Counter({reason: int(faulty.sum()) for reason, faulty in _faulty_steps(recording, form).items()})
 
 
-def _faulty_frames(recording: Recording, limits: Limits) -> dict[str, Bool[np.ndarray, " t"]]:
+def _faulty_frames(recording: Recording, form: WindowFormat) -> dict[str, Bool[np.ndarray, " t"]]:
     """For each reason the frames that a window must not hold; the camera does not move, so they have no start."""
-    joints = recording.joints
+    joints = recording.joints[:, form.joints]
     bodies = np.isfinite(joints).all(axis=(1, 2))
-    roots = np.where(bodies[:, None], joints[:, PROX_16.root_index], 1.0)
+    roots = np.where(bodies[:, None], joints[:, form.root], 1.0)
     return {
         NO_BODY: ~bodies,
-        JOINT_BEHIND: (joints[..., 2] < limits.nearest_joint).any(axis=1),
+        JOINT_BEHIND: (joints[..., 2] < form.limits.nearest_joint).any(axis=1),
         ROOT_OUTSIDE: ~inside_picture(pixels_of(roots, recording.intrinsics), *recording.size),
     }
 
 
-def _faulty_steps(recording: Recording, limits: Limits) -> dict[str, Bool[np.ndarray, " n"]]:
+def _faulty_steps(recording: Recording, form: WindowFormat) -> dict[str, Bool[np.ndarray, " n"]]:
     """For each reason the frames after which a window must not go on."""
     pauses = np.diff(recording.seconds) > LONGEST_PAUSE
     jumps = np.zeros_like(pauses)
-    jumps[root_jumps(recording.joints[:, PROX_16.root_index], limits)] = True
+    jumps[root_jumps(recording.joints[:, form.root_place], form.limits)] = True
     return {PAUSE: pauses, ROOT_JUMPS: jumps}

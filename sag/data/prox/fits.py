@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
 from jaxtyping import Float
 
 from sag.data.pickles import load_pickle
+from sag.data.prox.bodies import body_of
 from sag.data.prox.numbers import array_of
 from sag.errors import SagError
 from sag.skeleton import PROX_16
@@ -23,8 +22,8 @@ SIZES = {
 }  # fmt: skip
 """What of a fit makes the body, with its count of numbers; the camera beside it is the identity and not used."""
 
-HAND_COMPONENTS = SIZES["left_hand_pose"]
-"""Principal components of a hand's pose."""
+FIT_LIMIT = 1 << 20
+"""Bytes of the largest fit that is read; the real ones have a few thousand."""
 
 SMPLX_JOINTS = {
     "root": 0, "left_hip": 1, "right_hip": 2, "left_knee": 4, "right_knee": 5, "left_ankle": 7, "right_ankle": 8,
@@ -42,8 +41,8 @@ class Bodies:
     """SMPL-X models of a user's folder.
 
     Attributes:
-        folder: holds SMPLX_MALE.npz and SMPLX_FEMALE.npz, or a folder `smplx` with them. They are read by the package
-            `smplx`, which trusts them: take them from https://smpl-x.is.tue.mpg.de.
+        folder: holds SMPLX_MALE.npz and SMPLX_FEMALE.npz, or a folder `smplx` with them, of which numbers alone are
+            read, see `sag.data.prox.bodies`.
         female_subjects: numbers of the subjects who are fitted with the female model.
     """
 
@@ -54,20 +53,18 @@ class Bodies:
         """Joints of `prox_16` in each fit: metres, colour camera frame.
 
         Raises:
-            SagError: a fit is damaged, the model is missing, or `smplx` is not installed.
+            SagError: a fit is damaged, the model is missing or cannot be used, or `smplx` is not installed.
         """
         read = [read_fit(path) for path in fits]
-        body = _body(self.folder, "female" if female else "male")
+        body = body_of(self.folder, "female" if female else "male", SIZES["left_hand_pose"])
         joints = []
         for first in range(0, len(read), TOGETHER):
             rows = read[first : first + TOGETHER]
             parameters = {
                 name: torch.tensor(np.stack([row[name] for row in rows]), dtype=torch.float32) for name in SIZES
             }
-            with torch.no_grad():
-                joints.append(body(**parameters).joints.double().numpy())
-        places = [SMPLX_JOINTS[name] for name in PROX_16.joints]
-        return np.concatenate([np.empty((0, len(places), 3)), *(made[:, places] for made in joints)])
+            joints.append(body(parameters)[:, [SMPLX_JOINTS[name] for name in PROX_16.joints]])
+        return np.concatenate([np.empty((0, len(PROX_16.joints), 3)), *joints])
 
 
 def read_fit(path: Path) -> dict[str, np.ndarray]:
@@ -76,39 +73,10 @@ def read_fit(path: Path) -> dict[str, np.ndarray]:
     Raises:
         SagError: the pickle is missing, damaged, of another layout, or names anything but numpy arrays.
     """
-    content = load_pickle(path)
+    content = load_pickle(path, FIT_LIMIT)
     if not isinstance(content, dict):
         raise SagError(f"{path} holds no fit of SMPL-X by names; restore the original file")
     missing = [name for name in SIZES if name not in content]
     if missing:
         raise SagError(f"{path} lacks {', '.join(missing)}; restore the original file")
     return {name: array_of(content[name], (1, size), f"{path}: {name}")[0] for name, size in SIZES.items()}
-
-
-@lru_cache(maxsize=2)
-def _body(folder: Path, gender: str) -> Any:
-    """The body model of a gender.
-
-    Raises:
-        SagError: the package or the model is missing, or cannot be used.
-    """
-    try:
-        import smplx
-    except ImportError as error:
-        raise SagError(
-            'PROXD fits need the package smplx: run pip install "sag[prox]", or leave out '
-            "--data.init_args.smplx_models to move by the Kinect's skeletons"
-        ) from error
-    file = f"SMPLX_{gender.upper()}.npz"
-    found = [path for path in (folder / file, folder / "smplx" / file) if path.is_file()]
-    if not found:
-        raise SagError(
-            f"--data.init_args.smplx_models {folder} holds neither {file} nor smplx/{file}; "
-            "they come from https://smpl-x.is.tue.mpg.de under a licence of their own"
-        )
-    try:
-        return smplx.create(
-            str(found[0]), model_type="smplx", gender=gender, ext="npz", num_pca_comps=HAND_COMPONENTS
-        ).eval()
-    except Exception as error:  # what a wrong file raises is smplx's own matter
-        raise SagError(f"{found[0]} cannot be used as a model of SMPL-X by smplx ({error})") from error

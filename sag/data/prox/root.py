@@ -30,6 +30,9 @@ DepthSource = Literal["scan", "sensor"]
 BESIDE = ("calibration", "cam2world", "scenes", "PROXD")
 """What lies beside the recordings."""
 
+MODELS = ("SMPLX_MALE.", "SMPLX_FEMALE.")
+"""How the names of SMPL-X's models begin."""
+
 HOW_TO_GET = (
     "PROX (non-commercial) is downloaded after registration at https://prox.is.tue.mpg.de; "
     "set its folder by --data.init_args.root"
@@ -140,12 +143,13 @@ class Root:
         return {frame: folder / "Skeleton" / f"{frame}.json" for frame in frames if frame in there}
 
     def digest(self) -> str:
-        """Checksum of the names, sizes and times of all files that are read."""
+        """Checksum of the names, sizes and times of all files that are read, models beside the folder included."""
         digest = hashlib.sha256()
         for path in self._files():
             found = path.stat()
-            told = (str(path.relative_to(self.path)), found.st_size, found.st_mtime_ns)
-            digest.update(repr(told).encode())
+            inside = path.is_relative_to(self.path)
+            name = str(path.relative_to(self.path)) if inside else path.name
+            digest.update(repr((name, found.st_size, found.st_mtime_ns)).encode())
         return digest.hexdigest()
 
     def _files(self) -> Iterator[Path]:
@@ -156,6 +160,9 @@ class Root:
             for kind in ("Color", "BodyIndexColor", "BodyIndex", "Depth"):
                 yield from _inside(folder / kind)
             yield from self.bodies_of(folder, sorted(stems(folder / "Color", ".jpg"))).values()
+        if self.bodies:
+            for place in (self.bodies.folder, self.bodies.folder / "smplx"):
+                yield from (path for path in _inside(place) if path.name.startswith(MODELS))
 
 
 def _inside(folder: Path) -> list[Path]:

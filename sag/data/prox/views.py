@@ -47,7 +47,7 @@ def stored_window(
     joints = recording.joints[start : start + FRAMES]
     window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam}
     picture = Picture(colour, depth, ids, recording.intrinsics)
-    window |= centred_picture(picture, joints[0, PROX_16.root_index], PERSON, form)
+    window |= centred_picture(picture, joints[0, form.root_place], PERSON, form)
     if not with_cloud:
         return window
     holes = ids if recording.scan is None else np.full_like(ids, NOTHING)

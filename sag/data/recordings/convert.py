@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 from rich.progress import track
 
 from sag.data.cache import SPLITS
@@ -67,7 +68,8 @@ def convert(plan: Plan, form: WindowFormat, scratch: Path, reader: Reader) -> Co
     windows = plan.windows[finished:]
     results = _converted(plan, windows, form, reader)
     try:
-        for window, result in track(results, f"{reader.name}: converting windows", total=len(windows)):
+        say = Console(stderr=True)
+        for window, result in track(results, f"{reader.name}: converting windows", total=len(windows), console=say):
             _store(rows, result, {**_place(window), "scene": reader.number(plan.rooms[window.recording])})
             if rows.uncommitted >= COMMITTED:
                 rows.commit()

@@ -19,7 +19,7 @@ NO_CLIPS = "no clip planes of the camera at the start frame"
 ROOT_JUMPS = "root jumps"
 JOINT_BEHIND = "joint behind the start camera"
 ROOT_OUTSIDE = "root leaves the start picture"
-OTHER_SIZE = "picture of another size than the first recording's"
+OTHER_SIZE = "picture of another size than most recordings'"
 OTHER_ROOM = "room in neither train_rooms nor test_rooms"
 UNREADABLE = "unreadable picture"
 CUT_OFF = "cut-off picture"
@@ -88,7 +88,7 @@ def motion_fault(
     """The first reason against the motion of a window, if there is one.
 
     Args:
-        joints: metres, camera frame of the window's start; not numbers where one is missing.
+        joints: those of the skeleton, metres, camera frame of the window's start; not numbers where one is missing.
         root: its place among the joints.
         intrinsics: camera matrix in pixels of the start picture.
         size: rows and columns of the start picture.

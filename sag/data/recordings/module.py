@@ -22,6 +22,7 @@ from sag.data.recordings.scratch import scratch_folder
 from sag.data.recordings.splits import RoomSplit
 from sag.data.recordings.views import WindowFormat
 from sag.errors import SagError
+from sag.text import plain
 
 FARTHEST = np.iinfo(np.uint16).max * DEPTH_UNIT
 """Largest depth that a cache can hold, metres."""
@@ -76,7 +77,7 @@ class RecordedDataModule(MotionDataModule):
         self.stride = stride
         self.rooms = rooms
         self.skip_broken = skip_broken
-        self.form = WindowFormat(self.joint_places(), self.image_size, cloud_step, limits)
+        self.form = WindowFormat(self.joint_places(), self.skeleton.root_index, self.image_size, cloud_step, limits)
 
     @property
     @abstractmethod
@@ -121,7 +122,7 @@ class RecordedDataModule(MotionDataModule):
         cache = open_or_build(self.cache_dir, self.name, recipe, lambda folder: self._convert(folder, recipe))
         windows = counted(cache.split, Counter(cache.index["dropped"]), Counter(cache.index["events"]))
         for note in (*cache.index["notes"], windows):
-            print(f"{self.name}: {note}", flush=True)
+            print(f"{self.name}: {plain(note)}", flush=True)
         return cache
 
     def plan(self, folders: Sequence[Path] | None = None) -> Plan:
@@ -134,7 +135,7 @@ class RecordedDataModule(MotionDataModule):
             SagError: a recording cannot be read and is not left out, or none can be read.
         """
         found = self.recordings() if folders is None else folders
-        return planned(found, self.stride, self.form.limits, self.rooms, self.reader, self.skip_broken)
+        return planned(found, self.stride, self.form, self.rooms, self.reader, self.skip_broken)
 
     def _recipe(self) -> dict[str, Any]:
         """Everything that decides the bytes of the cache."""

@@ -8,11 +8,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 from rich.progress import track
 
-from sag.data.recordings.filters import BROKEN, OTHER_ROOM, Limits
+from sag.data.recordings.filters import BROKEN, OTHER_ROOM, OTHER_SIZE
 from sag.data.recordings.reader import Reader
 from sag.data.recordings.splits import Room, RoomSplit, Split
+from sag.data.recordings.views import WindowFormat
 from sag.errors import SagError
 
 VAL_FROM_TRAINING = 16
@@ -60,7 +62,7 @@ class Plan:
 def planned(
     folders: Sequence[Path],
     stride: int,
-    limits: Limits,
+    form: WindowFormat,
     rule: RoomSplit,
     reader: Reader,
     skip_broken: bool = False,
@@ -72,7 +74,7 @@ def planned(
     Args:
         folders: all recordings.
         stride: frames from one window to the next.
-        limits: what a window must keep to.
+        form: how windows are stored, and what they must keep to.
         rule: how recordings are divided.
         reader: how the data set is read.
         skip_broken: leaves recordings out that cannot be read; a note names each.
@@ -80,11 +82,12 @@ def planned(
     Raises:
         SagError: a recording cannot be read and is not left out, or none can be read.
     """
-    found = _Found.of(folders, stride, limits, reader, skip_broken)
-    notes = found.broken
+    found = _Found.of(folders, stride, form, reader, skip_broken)
+    thin: tuple[str, ...] = ()
     if len(found.used) < 2 and stride > 1:
-        notes += (f"stride 1 instead of {stride}: it leaves windows in {len(found.used)} recordings only",)
-        found = _Found.of(folders, 1, limits, reader, skip_broken)
+        thin = (f"stride 1 instead of {stride}: it leaves windows in {len(found.used)} recordings only",)
+        found = _Found.of(folders, 1, form, reader, skip_broken)
+    notes = found.notes + thin
     plan = Plan(found.folders, found.rooms, found.size, (), found.dropped, notes, found.events)
     if not found.used:
         return plan
@@ -105,13 +108,15 @@ class _Found:
     starts: tuple[list[int], ...]
     dropped: Counter[str]
     events: Counter[str]
-    broken: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, folders: Sequence[Path], stride: int, limits: Limits, reader: Reader, skip_broken: bool) -> _Found:
+    def of(cls, folders: Sequence[Path], stride: int, form: WindowFormat, reader: Reader, skip_broken: bool) -> _Found:
         used, sizes, rooms, starts, broken = [], [], [], [], []
         dropped, events = Counter[str](), Counter[str]()
-        for folder in track(folders, f"{reader.name}: looking for windows", transient=True):
+        for folder in track(
+            folders, f"{reader.name}: looking for windows", transient=True, console=Console(stderr=True)
+        ):
             try:
                 recording = reader.read(folder)
             except SagError as error:
@@ -121,20 +126,39 @@ class _Found:
                 continue
             used.append(folder)
             sizes.append(recording.size)
-            found, faults = reader.starts(recording, stride, limits, sizes[0])
+            found, faults = reader.starts(recording, stride, form)
             rooms.append(recording.room)
             starts.append(found)
             dropped += faults
-            events += reader.events(recording, limits)
+            events += reader.events(recording, form)
         if not used:
             raise SagError(f"all {len(broken)} recordings are broken, the first: {broken[0]}")
         dropped += Counter({BROKEN: len(broken)})
-        return cls(tuple(used), tuple(rooms), sizes[0], tuple(starts), dropped, events, tuple(broken))
+        size = _most_common(sizes, starts)
+        whole = cls(tuple(used), tuple(rooms), size, tuple(starts), dropped, events, tuple(broken))
+        return whole._without([place for place, other in enumerate(sizes) if other != size])
+
+    def _without(self, odd: Sequence[int]) -> _Found:
+        """The same without the windows of recordings whose pictures are of another size; a note names them."""
+        if not odd:
+            return self
+        starts = tuple([] if place in odd else starts for place, starts in enumerate(self.starts))
+        names = ", ".join(self.folders[place].name for place in odd)
+        note = f"{len(odd)} recordings LEFT OUT, their pictures are not of {self.size} pixels as most are: {names}"
+        lost = sum(map(len, self.starts)) - sum(map(len, starts))
+        dropped = self.dropped + Counter({OTHER_SIZE: lost})
+        return replace(self, starts=starts, dropped=dropped, notes=(*self.notes, note))
 
     @property
     def used(self) -> list[int]:
         """Recordings with windows."""
         return [i for i, starts in enumerate(self.starts) if starts]
+
+
+def _most_common(sizes: Sequence[tuple[int, int]], starts: Sequence[list[int]]) -> tuple[int, int]:
+    """The size that most recordings with windows have, of all where none has; the first of those as common."""
+    counts = Counter(size for size, found in zip(sizes, starts) if found) or Counter(sizes)
+    return counts.most_common(1)[0][0]
 
 
 def _divided(found: _Found, split: Split) -> tuple[Window, ...]:

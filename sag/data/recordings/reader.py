@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from sag.data.recordings.filters import Limits
 from sag.data.recordings.splits import Room
 from sag.data.recordings.views import WindowFormat
 
@@ -23,7 +22,7 @@ class Reader:
         name: of the data set.
         read: a recording of its folder; it has a `room` and a `size`, rows and columns of its pictures.
         starts: frames of a recording where usable windows start, and how many windows were dropped for what;
-            given the stride, the limits and the size that pictures must have.
+            given the stride and how windows are stored.
         window: the cache's arrays of the window that starts at a frame, with its cloud where that is asked for;
             nothing when the person is hidden.
         rooms: names of the rooms in the order of their numbers; empty where rooms are numbers.
@@ -32,10 +31,10 @@ class Reader:
 
     name: str
     read: Callable[[Path], Any]
-    starts: Callable[[Any, int, Limits, tuple[int, int]], tuple[list[int], Counter[str]]]
+    starts: Callable[[Any, int, WindowFormat], tuple[list[int], Counter[str]]]
     window: Callable[[Any, int, WindowFormat, bool], dict[str, np.ndarray] | None]
     rooms: tuple[str, ...] = ()
-    events: Callable[[Any, Limits], Counter[str]] = lambda recording, limits: Counter()
+    events: Callable[[Any, WindowFormat], Counter[str]] = lambda recording, form: Counter()
 
     def number(self, room: Room) -> int:
         """Number of a room in the cache."""

@@ -6,22 +6,17 @@ import json
 import os
 import shutil
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 
 from sag.data.cache import ARRAYS
+from sag.data.recordings.lock import locked
 from sag.errors import SagError
 from sag.files import write_whole
-
-try:
-    import fcntl
-except ImportError:  # where there are no such locks, two conversions of one data set must not run at once
-    fcntl = None  # type: ignore[assignment]
 
 SUFFIX = ".converting"
 """Ends the name of a folder in which a cache is being made."""
@@ -69,8 +64,7 @@ class Scratch:
         self._arrays = arrays or _created(folder, shapes)
         self._new: list[Outcome] = []
         # A line that was cut off by the interruption goes.
-        lines = "".join(map(_line, self.outcomes)).encode()
-        write_whole(self._journal, lambda file: file.write(lines))
+        write_whole(self._journal, lambda file: file.write(_lines(self.outcomes, 0).encode()))
         self._windows = sum(not outcome.reason for outcome in self.outcomes)
         self._clouds = sum(outcome.cloud for outcome in self.outcomes)
 
@@ -93,15 +87,19 @@ class Scratch:
         return len(self._new)
 
     def commit(self) -> None:
-        """Makes everything until now last."""
+        """Makes everything until now last.
+
+        Where it is interrupted, what it was about is forgotten by this object: its lines may be in the journal
+        already, and the next commit must not write them again.
+        """
+        new, self._new = self._new, []
         for array in self._arrays.values():
             array.flush()
         with self._journal.open("a") as file:
-            file.writelines(map(_line, self._new))
+            file.write(_lines(new, len(self.outcomes)))
             file.flush()
             os.fsync(file.fileno())
-        self.outcomes += self._new
-        self._new = []
+        self.outcomes += new
 
     def filled(self) -> dict[str, np.ndarray]:
         """The rows that were filled."""
@@ -127,7 +125,7 @@ def scratch_folder(cache: Path) -> Iterator[Path]:
         cache: final place of the cache, whose name tells its recipe.
     """
     folder = cache.with_name(cache.name + SUFFIX)
-    with _locked(folder):
+    with locked(folder):
         try:
             yield folder
         except BaseException as error:
@@ -135,28 +133,6 @@ def scratch_folder(cache: Path) -> Iterator[Path]:
                 shutil.rmtree(folder, ignore_errors=True)
             raise
         shutil.rmtree(folder, ignore_errors=True)
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Makes a folder and keeps other processes out of it."""
-    while True:
-        folder.mkdir(parents=True, exist_ok=True)
-        with (folder / "lock").open("w") as lock:
-            if fcntl is not None:
-                _wait(lock, folder)
-            # Whoever held the lock before may have removed the folder with it.
-            if (folder / "lock").exists() and os.path.samestat(os.fstat(lock.fileno()), (folder / "lock").stat()):
-                yield
-                return
-
-
-def _wait(lock: TextIO, folder: Path) -> None:
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        print(f"waiting for another process that fills {folder}", flush=True)
-        fcntl.flock(lock, fcntl.LOCK_EX)
 
 
 def _check_room(folder: Path, shapes: Shapes) -> None:
@@ -190,18 +166,22 @@ def _created(folder: Path, shapes: Shapes) -> dict[str, np.memmap]:
 
 
 def _read(journal: Path) -> list[Outcome]:
-    """The windows that were finished, up to the first line that is not whole."""
+    """The windows that were finished, up to the first line that is not whole or not the next one's."""
     found: list[Outcome] = []
     try:
         for line in journal.read_text().splitlines():
-            found.append(Outcome(**json.loads(line)))
+            number, outcome = json.loads(line)
+            if number != len(found):
+                break
+            found.append(Outcome(**outcome))
     except (OSError, ValueError, TypeError):
         pass
     return found
 
 
-def _line(outcome: Outcome) -> str:
-    return json.dumps(asdict(outcome)) + "\n"
+def _lines(outcomes: Sequence[Outcome], first: int) -> str:
+    """Lines of the journal: the number of each window, from the first's, and what became of it."""
+    return "".join(json.dumps([first + i, asdict(outcome)]) + "\n" for i, outcome in enumerate(outcomes))
 
 
 def _file(folder: Path, name: str) -> Path:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from sag.errors import SagError
 
 Room = int | str
 """A room as its data set tells it: by number or by name."""
@@ -43,12 +46,25 @@ class RoomSplit:
         test_rooms: rooms to test on.
         shared_test_share: share of a shared room's recordings that test.
         val_share: share of the training recordings that are held out.
+
+    Raises:
+        SagError: a share cannot be one, or a room is named twice.
     """
 
     train_rooms: tuple[Room, ...]
     test_rooms: tuple[Room, ...]
     shared_test_share: float
     val_share: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.shared_test_share < 1:
+            raise SagError(f"data.init_args.shared_test_share must lie between 0 and 1, found {self.shared_test_share}")
+        if not 0 <= self.val_share < 1:
+            raise SagError(f"data.init_args.val_share must be at least 0 and below 1, found {self.val_share}")
+        for name in ("train_rooms", "test_rooms"):
+            for room, count in Counter(getattr(self, name)).most_common(1):
+                if count > 1:
+                    raise SagError(f"data.init_args.{name} names the room {room} {count} times; name it once")
 
     def divided(self, rooms: Sequence[Room]) -> Split:
         """The split of recordings, given the room of each.

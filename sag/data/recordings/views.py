@@ -10,8 +10,8 @@ from jaxtyping import Bool, Float, Int, UInt8, UInt16
 from scipy.ndimage import binary_dilation
 
 from sag.data.cache import DEPTH_UNIT, PERSON
-from sag.data.pictures import Box, area_averaged, nearest
 from sag.data.recordings.filters import Limits
+from sag.data.resampling import Box, area_averaged, nearest
 from sag.geometry.camera import recentred
 
 
@@ -38,15 +38,22 @@ class WindowFormat:
 
     Attributes:
         joints: places of the skeleton's joints among those of the files.
+        root: place of the skeleton's root among the skeleton's joints; windows are centred on it.
         image_size: rows and columns of the picture.
         cloud_step: of the native picture every so many rows and columns go to the cloud.
         limits: what a window must keep to.
     """
 
     joints: list[int]
+    root: int
     image_size: tuple[int, int]
     cloud_step: int
     limits: Limits
+
+    @property
+    def root_place(self) -> int:
+        """Place of the skeleton's root among the joints of the files."""
+        return self.joints[self.root]
 
     def cloud_size(self, rows: int, columns: int) -> tuple[int, int]:
         """Rows and columns of the cloud of a native picture."""

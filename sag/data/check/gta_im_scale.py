@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sag.data.check.bodies import bones_line
-from sag.data.check.recordings import Findings, Look
+from sag.data.check.gta_im_recording import GtaImFindings, Look
 from sag.data.check.report import Line, graded
 
 PROJECTION = (1e-3, 0.5)
@@ -20,7 +20,7 @@ SKIN = (0.0, 0.2)
 """Usual way from the skin to the joint behind it, metres."""
 
 
-def scale_lines(readable: Sequence[Findings]) -> tuple[Line, ...]:
+def scale_lines(readable: Sequence[GtaImFindings]) -> tuple[Line, ...]:
     """Lines on projection, ids, bones and depth.
 
     Args:
@@ -31,7 +31,7 @@ def scale_lines(readable: Sequence[Findings]) -> tuple[Line, ...]:
     return _projection(readable), _ids(looks), bones, *_depth(looks)
 
 
-def _projection(readable: Sequence[Findings]) -> Line:
+def _projection(readable: Sequence[GtaImFindings]) -> Line:
     told = [(found.projection, found) for found in readable if found.projection is not None]
     if not told:
         return Line("projection", "no recording has joints_2d to compare with", "look")

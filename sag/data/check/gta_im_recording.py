@@ -9,10 +9,11 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from sag.data.archives import names_in, read_archive
-from sag.data.check.bodies import Bones, bones_of
+from sag.data.check.bodies import bones_of
+from sag.data.check.findings import Findings, spread
 from sag.data.gta_im.cameras import Cut, camera_cuts, camera_zooms
 from sag.data.gta_im.files import ARCHIVE
-from sag.data.gta_im.recording import JOINTS, ROOT, Recording
+from sag.data.gta_im.recording import JOINTS, ROOT, SUFFIXES, Recording
 from sag.data.gta_im.views import BEFORE_JOINT, BEHIND_JOINT, person_id
 from sag.data.pictures import read_colour
 from sag.data.recordings.filters import Limits, inside_picture, pixels_of, root_jumps
@@ -31,8 +32,6 @@ WAY = [JOINTS.index(name) for name in ("head", "neck", "spine0", "spine1", "spin
     JOINTS.index(f"right_{name}") for name in ("hip", "knee", "ankle")
 ]
 """Joints from the head along the bones to an ankle."""
-
-SUFFIXES = (".jpg", ".png", "_id.png")
 
 
 @dataclass(frozen=True)
@@ -53,35 +52,23 @@ class Look:
 
 
 @dataclass
-class Findings:
-    """One recording.
+class GtaImFindings(Findings[Recording, Look]):
+    """One recording of GTA-IM.
 
     Attributes:
-        folder: its place.
-        recording: what was read; nothing where it is broken.
-        broken: sentences on files that are, the recording's own or pictures.
         incomplete: frames that have only some of their three pictures.
         projection: farthest that a projected joint is from `joints_2d`, pixels; nothing where that is not told.
-        bones: their lengths.
-        looks: at the decoded pictures.
-        jumps: frames after which the root is elsewhere.
         cuts: of the camera.
         zooms: first and last frames.
     """
 
-    folder: Path
-    recording: Recording | None = None
-    broken: list[str] = field(default_factory=list)
     incomplete: list[int] = field(default_factory=list)
     projection: float | None = None
-    bones: Bones | None = None
-    looks: list[Look] = field(default_factory=list)
-    jumps: list[int] = field(default_factory=list)
     cuts: list[Cut] = field(default_factory=list)
     zooms: list[tuple[int, int]] = field(default_factory=list)
 
 
-def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
+def examine(folder: Path, limits: Limits, pictures: int | None) -> GtaImFindings:
     """Looks at a recording.
 
     Args:
@@ -89,7 +76,7 @@ def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
         limits: what its windows must keep to.
         pictures: how many frames' pictures are decoded, evenly spread; all where nothing is given.
     """
-    found = Findings(folder)
+    found = GtaImFindings(folder)
     try:
         recording = found.recording = Recording.read(folder)
         found.projection = projection_error(recording)
@@ -102,12 +89,11 @@ def examine(folder: Path, limits: Limits, pictures: int | None) -> Findings:
     found.jumps = root_jumps(recording.joints[:, ROOT], limits)
     found.cuts = camera_cuts(recording.world2cam, recording.intrinsics)
     found.zooms = camera_zooms(recording.intrinsics, found.cuts)
-    for frame in _spread(sorted(recording.pictured), pictures):
-        try:
-            joints = recording.seen_from(frame, slice(frame, frame + 1))[0]
-            found.looks.append(look_at(recording.picture(frame), joints))
-        except SagError as error:
-            found.broken.append(str(error))
+
+    def look(frame: int) -> Look:
+        return look_at(recording.picture(frame), recording.seen_from(frame, slice(frame, frame + 1))[0])
+
+    found.look_at(sorted(recording.pictured), pictures, look)
     found.broken = _told(found.broken, folder)
     return found
 
@@ -164,7 +150,7 @@ def _pictured(folder: Path) -> dict[int, list[str]]:
 def _broken_pictures(folder: Path, count: int | None) -> list[str]:
     """Sentences on the pictures of so many frames that cannot be decoded, where a recording's own files are broken."""
     broken, pictured = [], _pictured(folder)
-    for frame in _spread(sorted(pictured), count):
+    for frame in spread(sorted(pictured), count):
         for suffix in sorted(pictured[frame]):
             try:
                 read_colour(folder / f"{frame:05d}{suffix}")
@@ -192,10 +178,3 @@ def look_at(picture: Picture, joints: np.ndarray) -> Look:
     visible = (gaps < BEFORE_JOINT) & (gaps > -BEHIND_JOINT)
     mask = binary_dilation(picture.ids == person, np.ones((3, 3)))
     return Look(int(visible.sum()), int(mask[rows, columns][visible].sum()), float(np.median(gaps[visible])), depth)
-
-
-def _spread(frames: list[int], count: int | None) -> list[int]:
-    """So many of the frames, evenly spread; all where no number is given."""
-    if count is None or count >= len(frames):
-        return frames
-    return [frames[place] for place in np.linspace(0, len(frames) - 1, count).round().astype(int)]
