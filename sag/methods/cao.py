@@ -58,8 +58,8 @@ class Cao(Method):
     introduced them), how the hourglass's maps become a path in metres, L1 errors of path and pose. *Ours*: only the
     given frame is seen, as in this task, where the original sees a second of history; knots every 8 frames and a
     spline between them; f and the initial pose told to the networks, as to every system that is compared (f's encoder
-    learns with GoalNet, then rests); that GoalNet's encoder sees the true goal in training; what `CaoRecipe` calls ours.
-    Goals, and so paths, stay inside the picture.
+    learns with GoalNet, then rests); that GoalNet's encoder sees the true goal in training; what `CaoRecipe` calls
+    ours. Goals, and so paths, stay inside the picture.
 
     Args:
         network: sizes and choices of the networks.
