@@ -48,10 +48,14 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("run", type=Path, metavar="RUN", help="folder of a trained run")
     made.add_argument("--frames", type=int, required=True, metavar="T", help="of each motion, the given one included")
     made.add_argument(
-        "--overlap", type=int, default=8, metavar="O", help=f"frames that windows share, 1 to {LONGEST_OVERLAP}; 8"
+        "--overlap",
+        type=int,
+        default=8,
+        metavar="O",
+        help=f"frames that windows share, 1 to {LONGEST_OVERLAP} (default: 8)",
     )
     made.add_argument("--samples", type=int, default=1, metavar="K", help="motions of each window (default: 1)")
-    made.add_argument("--windows", type=int, default=100, metavar="N", help="test windows (default: 100)")
+    made.add_argument("--windows", type=int, metavar="N", help="test windows (default: 100, or all of fewer)")
     made.add_argument("--seed", type=int, default=0, metavar="S", help="of what is drawn (default: 0)")
     made.add_argument("--out", type=Path, metavar="FILE.npz", help="default: extended.npz in the run's folder")
     made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
@@ -88,7 +92,7 @@ def _drawn(
 ) -> Float[Tensor, "n k t j 3"]:
     """Motions of all windows with seams of one overlap; the same noise whatever the overlap."""
     generator = torch.Generator(run.method.device).manual_seed(asked.seed)
-    task = progress.add_task(f"windows that share {overlap} frame{'s' * (overlap > 1)}", total=asked.windows)
+    task = progress.add_task(f"windows that share {overlap} frame{'s' * (overlap > 1)}", total=sum(map(len, batches)))
     parts = []
     for batch in batches:
         on = batch.to(run.method.device)
@@ -115,9 +119,9 @@ def _show(
         _add(grid, name, run, motions.flatten(0, 1), seams, asked.overlap)
     console.print(grid)
     console.print(
-        f"{asked.windows} test windows of {run.data.name} (fingerprint {run.data.cache.fingerprint}), {asked.samples} "
-        f"of each, seed {asked.seed}; a seam, in every row: from where a window begins, frames: {asked.overlap}; jump: "
-        "of the root's velocity from one frame to the next, the largest at a seam, and inside over as many frames.",
+        f"{sum(map(len, batches))} test windows of {run.data.name} (fingerprint {run.data.cache.fingerprint}), "
+        f"{asked.samples} of each, seed {asked.seed}; a seam: the {asked.overlap} frames from where a window begins; "
+        "jump: of the root's velocity from one frame to the next, the largest at a seam, and inside over as many frames.",
         markup=False, highlight=False, soft_wrap=True,
     )  # fmt: skip
 

@@ -22,6 +22,9 @@ from sag.types import Batch
 CONFIG = "config.fit.yaml"
 CHECKPOINT = Path("checkpoints") / "last.ckpt"
 
+USUAL_WINDOWS = 100
+"""Test windows that are looked at where nobody says how many."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -37,13 +40,14 @@ class Run:
     method: Method
     data: MotionDataModule
 
-    def windows(self, count: int) -> list[Batch]:
-        """So many test windows, evenly over all of them, in batches.
+    def windows(self, count: int | None) -> list[Batch]:
+        """So many test windows, evenly over all of them, in batches; `USUAL_WINDOWS`, if there are, where none is told.
 
         Raises:
             SagError: there are fewer.
         """
         windows = Windows(self.data.cache, "test", self.data.skeleton)
+        count = min(USUAL_WINDOWS, len(windows)) if count is None else count
         if not 1 <= count <= len(windows):
             raise SagError(f"--windows is {count}, and {self.data.name} has {len(windows)} test windows")
         places = torch.linspace(0, len(windows) - 1, count).round().long().tolist()
@@ -61,6 +65,8 @@ def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Ru
     Raises:
         SagError: a folder holds no run, a file is missing or damaged, or the runs cannot be compared.
     """
+    if cache_dir is not None and not cache_dir.is_dir():
+        raise SagError(f"--cache-dir {cache_dir} is no folder; name the one that holds the window caches")
     places = [place for folder in folders for place in _places(folder)]
     names = [place.resolve().name for place in places]
     twice = [name for name in names if names.count(name) > 1]

@@ -15,7 +15,7 @@ from rich.table import Table
 from sag.errors import SagError
 from sag.figure7.examples import examples_of
 from sag.figure7.plot import plot_of
-from sag.figure7.spread import TRAJECTORIES, End, Spread, TakesEnd, spreads_of
+from sag.figure7.spread import TRAJECTORIES, End, Spread, TakesEnd, check_samples, spreads_of
 from sag.figure7.written import content_of, spreadsheet
 from sag.files import write_json
 from sag.report.plot import STYLE
@@ -37,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
         "runs", type=Path, nargs="+", metavar="RUN", help="folder of a trained run, or of a sweep: then all its rows"
     )
     made.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the figure")
-    made.add_argument("--windows", type=int, default=100, metavar="N", help="test windows (default: 100)")
+    made.add_argument("--windows", type=int, metavar="N", help="test windows (default: 100, or all of fewer)")
     made.add_argument(
         "--samples", type=int, default=200, metavar="K", help="motions drawn for each window (default: 200)"
     )
@@ -61,11 +61,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser().parse_args(arguments)
     if asked.out.is_file():
         raise SagError(f"--out {asked.out} is a file; give a folder")
+    check_samples(asked.samples)
     runs = sorted(read_runs(asked.runs, asked.cache_dir), key=lambda run: isinstance(run.method, TakesEnd))
     batches = runs[0].windows(asked.windows)
     spreads = spreads_of(runs, batches, asked.samples, asked.seed, asked.end)
     protocol = {
-        "windows": asked.windows, "samples": asked.samples, "trajectories": TRAJECTORIES, "seed": asked.seed,
+        "windows": sum(map(len, batches)), "samples": asked.samples, "trajectories": TRAJECTORIES, "seed": asked.seed,
         "end": asked.end, "data": runs[0].data.describe(),
     }  # fmt: skip
     _write(asked.out, spreads, protocol, plot_of(spreads, examples_of(batches, spreads), protocol))

@@ -65,6 +65,16 @@ class Spread:
         return (self.roots[:, :, -1] - self.ends[:, None]).norm(dim=-1).amax(dim=1)
 
 
+def check_samples(samples: int) -> None:
+    """Refuses fewer samples of a window than the figure takes.
+
+    Raises:
+        SagError: there are fewer.
+    """
+    if samples < TRAJECTORIES:
+        raise SagError(f"--samples is {samples}; the figure takes {TRAJECTORIES} trajectories of each window")
+
+
 @torch.no_grad()
 def spreads_of(runs: Sequence[Run], batches: Sequence[Batch], samples: int, seed: int, end: End) -> list[Spread]:
     """The trajectories of every run, all to the same end points.
@@ -79,8 +89,7 @@ def spreads_of(runs: Sequence[Run], batches: Sequence[Batch], samples: int, seed
     Raises:
         SagError: fewer samples than trajectories are asked for, or no run draws any to find the densest end among.
     """
-    if samples < TRAJECTORIES:
-        raise SagError(f"--samples is {samples}; the figure takes {TRAJECTORIES} trajectories of each window")
+    check_samples(samples)
     if end == "densest" and all(isinstance(run.method, TakesEnd) for run in runs):
         raise SagError("none of these runs draws motions whose ends could be the densest: add one, or say --end true")
     generators = [torch.Generator(run.method.device).manual_seed(seed) for run in runs]

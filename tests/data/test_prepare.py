@@ -30,7 +30,7 @@ def root(tmp_path) -> Path:
 
 def trained(root: Path, cache_dir: Path, **options: object) -> GtaImDataModule:
     """The data module as training makes it."""
-    return GtaImDataModule(root, cache_dir=cache_dir, image_size=(54, 96), **{"stride": 1, **options})
+    return GtaImDataModule(root, cache_dir=cache_dir, **{"image_size": (54, 96), "stride": 1, **options})
 
 
 @pytest.fixture
@@ -68,7 +68,10 @@ def test_the_command_that_is_told_holds_every_option(root, tmp_path, capsys):
     config = tmp_path / "mine.yaml"
     config.write_text("data: {init_args: {root: elsewhere, limits: {root_step: 0.25}, stride: 2}}\n")
     main(["prepare", str(root), "--out", str(tmp_path / "out"), *OPTIONS, "--config", str(config)])
-    words = shlex.split(capsys.readouterr().out.split("to train on it:")[1].replace("\\\n", ""))
+    fit, run = capsys.readouterr().out.split("lies:\n")[1].replace("\\\n", "").strip().splitlines()
+    assert shlex.split(fit)[:2] == ["sag", "fit"]
+    assert set(shlex.split(fit)) - set(shlex.split(run)) == {"fit", "configs/methods/erd.yaml"}
+    words = shlex.split(run)
     assert words[:2] == ["sag", "run"] and words[words.index(str(config)) - 1] == "--config"
     told = dict(word.removeprefix("--data.init_args.").split("=") for word in words if "=" in word)
     assert told == {
@@ -78,6 +81,14 @@ def test_the_command_that_is_told_holds_every_option(root, tmp_path, capsys):
         "stride": "1",
         "limits.root_step": "0.25",
     }
+
+
+def test_pictures_are_those_of_a_laptops_preset_unless_asked(root, tmp_path, capsys):
+    assert main(["prepare", str(root), "--out", str(tmp_path / "out"), "--stride", "1"]) == 0
+    assert "configs/presets/quick.yaml" in capsys.readouterr().out
+    (folder,) = (tmp_path / "out").iterdir()
+    usual = trained(root, tmp_path / "out", image_size=(72, 128))
+    assert usual.build().folder == folder
 
 
 @pytest.mark.parametrize(

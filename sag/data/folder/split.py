@@ -32,7 +32,7 @@ class NamedRooms(RoomSplit):
         found = RoomSplit(train, test, self.shared_test_share, self.val_share).divided(rooms)
         if self.test_rooms or not test:
             return found
-        note = f"test rooms are {', '.join(test)}: data.init_args.test_rooms tells none"
+        note = f"test rooms: {', '.join(test)} (last of the names; set data.init_args.test_rooms to choose)"
         return replace(found, notes=(note, *found.notes))
 
     def _last(self, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def planned(
     found = _Found.of(folders, stride, form, reader, skip_broken)
     thin: tuple[str, ...] = ()
     if len(found.used) < 2 and stride > 1:
-        thin = (f"stride 1 instead of {stride}: it leaves windows in {len(found.used)} recordings only",)
+        thin = (f"stride 1 instead of {stride}: with that, fewer than two recordings have windows",)
         found = _Found.of(folders, 1, form, reader, skip_broken)
     notes = found.notes + thin
     plan = Plan(found.folders, found.rooms, found.size, (), found.dropped, notes, found.events)
