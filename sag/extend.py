@@ -121,7 +121,8 @@ def _show(
     console.print(
         f"{sum(map(len, batches))} test windows of {run.data.name} (fingerprint {run.data.cache.fingerprint}), "
         f"{asked.samples} of each, seed {asked.seed}; a seam: the {asked.overlap} frames from where a window begins; "
-        "jump: of the root's velocity from one frame to the next, the largest at a seam, and inside over as many frames.",
+        "jump: of the root's velocity from one frame to the next, the largest at a seam, and inside over as many "
+        "frames.",
         markup=False, highlight=False, soft_wrap=True,
     )  # fmt: skip
 

@@ -1,5 +1,7 @@
 """The report of `sag data check`: how it stands on a terminal, and the bones in it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gta_im_files import body
@@ -46,4 +48,8 @@ def test_bones_are_measured():
     assert bones_of(joints[3:], LIMBS, WAY) is None
     assert bones_line([("a", bones)]).verdict == "look"
     tiny = Bones(1e-4, 5e-4, 1.6e-3, 0.0)
-    assert bones_line([("a", bones), ("b", tiny)]).details == ("b: 0.0016",)
+    assert bones_line([("a", bones), ("b", tiny)]).details == ("b: 0.0016 m",)
+    giant = replace(bones, stature=1700.0)
+    assert bones_line([("a", bones), ("b", giant)]).details == (
+        "b: 1700 m, as if joints were in millimetres: divide them by 1000",
+    )

@@ -139,7 +139,7 @@ def test_the_commands_know_it(root, tmp_path, capsys):
     assert "Own data in" in capsys.readouterr().out
     small = ["--image_size=[36,64]", "--stride", "1", "--out", str(tmp_path / "out")]
     assert main(["prepare", str(root), *small, "--test_rooms", "[kitchen]"]) == 0
-    words = shlex.split(capsys.readouterr().out.split("to train on it:")[1].replace("\\\n", ""))
+    words = shlex.split(capsys.readouterr().out.split("sag run")[1].replace("\\\n", ""))
     told = dict(word.removeprefix("--data.init_args.").split("=") for word in words if "=" in word)
     assert told["skeleton"] == str(root / "skeleton.yaml") and told["test_rooms"] == '["kitchen"]'
     assert words[words.index("configs/data/folder.yaml") - 1] == "--config"

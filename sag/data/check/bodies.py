@@ -70,11 +70,20 @@ def bones_of(joints: Float[np.ndarray, "t j 3"], limbs: Int[np.ndarray, "bones 2
     return Bones(float(medians.min()), float(medians.max()), float(np.median(steps.sum(axis=1))), stray)
 
 
+def _units(stature: float) -> str:
+    """Which units would make a person of a way from head to ankle that no person has."""
+    for unit, count in {"centimetres": 100, "millimetres": 1000}.items():
+        if STATURE[0] <= stature / count <= STATURE[1]:
+            return f", as if joints were in {unit}: divide them by {count}"
+    return ""
+
+
 def bones_line(known: Sequence[tuple[str, Bones]]) -> Line:
     """What to think of the bones of recordings, by name."""
     if not known:
         return Line("bones", "no frame has all joints", "look")
-    wrong = tuple(f"{name}: {bones.stature:.3g}" for name, bones in known if not bones.plausible)
+    unlikely = [(name, bones.stature) for name, bones in known if not bones.plausible]
+    wrong = tuple(f"{name}: {stature:.4g} m{_units(stature)}" for name, stature in unlikely)
     low, high = (choice(bones.stature for _, bones in known) for choice in (min, max))
     stray = max(bones.stray for _, bones in known)
     span = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
