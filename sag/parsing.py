@@ -7,6 +7,10 @@ import difflib
 import importlib
 import inspect
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from jsonargparse import ArgumentError
 
 from sag.errors import SagError
 
@@ -35,8 +39,30 @@ def one_sentence(message: str) -> str:
     return sentence.strip() + _nearest(heart, union.group(1) if union else None)
 
 
-def refusal(error: BaseException | None) -> SagError | None:
-    """What a class said against its options, where the parser hides it behind the types that it tried."""
+LINKS = ("skeleton", "image_size")
+"""What every method takes from the data, where it takes it at all."""
+
+
+@contextmanager
+def one_sentence_each(about: str = "") -> Iterator[None]:
+    """Makes one sentence of whatever is wrong with options and configs that are parsed inside.
+
+    Args:
+        about: what stands before what the parser says.
+
+    Raises:
+        SagError: an option is unknown or wrong, or a class refuses its options, which the parser hides behind the
+            types that it tried.
+    """
+    try:
+        yield
+    except ArgumentError as error:
+        raise SagError(about + one_sentence(str(error))) from error
+    except ValueError as error:
+        raise _refusal(error) or error from None
+
+
+def _refusal(error: BaseException | None) -> SagError | None:
     while error is not None and not isinstance(error, SagError):
         error = error.__cause__ or error.__context__
     return error

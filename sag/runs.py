@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import torch
-import yaml
-from jsonargparse import ArgumentError, ArgumentParser
+from jsonargparse import ArgumentParser
 
 from sag.checkpoints import WholeCheckpoints
 from sag.components import Components
 from sag.data.base import MotionDataModule, Windows
 from sag.errors import SagError
+from sag.files import read_yaml
 from sag.methods.base import Method
-from sag.parsing import one_sentence
+from sag.parsing import LINKS, one_sentence_each
 from sag.types import Batch
 
 CONFIG = "config.fit.yaml"
@@ -97,12 +97,10 @@ def _read(folder: Path, name: str, cache_dir: Path | None) -> Run:
     parser.add_subclass_arguments(Method, "model", required=True)
     parser.add_subclass_arguments(MotionDataModule, "data", required=True)
     parser.link_arguments("components", "model.init_args.components")
-    for argument in ("skeleton", "image_size"):
+    for argument in LINKS:
         parser.link_arguments(f"data.init_args.{argument}", f"model.init_args.{argument}")
-    try:
+    with one_sentence_each(about=f"{folder / CONFIG} is not of this version: "):
         made = parser.instantiate_classes(parser.parse_object(content))
-    except ArgumentError as error:
-        raise SagError(f"{folder / CONFIG} is not of this version: {one_sentence(str(error))}") from error
     checkpoint = WholeCheckpoints().load_checkpoint(folder / CHECKPOINT)
     made.model.on_load_checkpoint(checkpoint)
     made.model.load_state_dict(checkpoint["state_dict"])
@@ -113,10 +111,10 @@ def _read(folder: Path, name: str, cache_dir: Path | None) -> Run:
 
 
 def _config(path: Path) -> dict[str, Any]:
+    content = read_yaml(path)
     try:
-        content = yaml.safe_load(path.read_text())
         return {name: content[name] for name in ("components", "model", "data")}
-    except (yaml.YAMLError, KeyError, TypeError) as error:
+    except (KeyError, TypeError) as error:
         raise SagError(f"{path} is not the config of a run ({error!r}); train it again") from error
 
 

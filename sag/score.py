@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
-from jsonargparse import ArgumentError, ArgumentParser, Namespace
+from jsonargparse import ArgumentParser, Namespace
 
 from sag.data.base import MotionDataModule
 from sag.data.known import DATA_SETS
@@ -23,7 +23,7 @@ from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
 from sag.metrics.collisions.clear_frames import RADII
-from sag.parsing import one_sentence, refusal
+from sag.parsing import one_sentence_each
 from sag.report import show_scores
 from sag.scoring import Evaluation
 
@@ -93,12 +93,8 @@ def _parsed(arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
     parser.add_argument("--collisions", type=Path | None, default=None, help="CSV of which bone touches what, and when")
     parser.add_subclass_arguments(MotionDataModule, "data", required=True)
     parser.add_class_arguments(Evaluation, "evaluation")
-    try:
+    with one_sentence_each():
         return _instantiated(parser, arguments)
-    except ArgumentError as error:
-        raise SagError(one_sentence(str(error))) from error
-    except ValueError as error:
-        raise refusal(error) or error from None
 
 
 def _instantiated(parser: ArgumentParser, arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:

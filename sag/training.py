@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 import wandb
-from jsonargparse import ArgumentError, set_parsing_settings
+from jsonargparse import set_parsing_settings
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 
 from sag.callbacks import LastCheckpoint, MetricsFile, PredictionFile, ProgressFile
@@ -17,11 +17,8 @@ from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.methods.base import Method
-from sag.parsing import one_sentence, refusal
+from sag.parsing import LINKS, one_sentence_each
 from sag.trainer import Trainer
-
-LINKS = ("skeleton", "image_size")
-"""What every method takes from the data, where it takes it at all."""
 
 
 class SaveConfig(SaveConfigCallback):
@@ -85,21 +82,18 @@ def train(arguments: list[str]) -> int:
     set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
     torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
     try:
-        TrainingCLI(
-            datamodule_class=MotionDataModule,
-            subclass_mode_data=True,
-            subclass_mode_model=True,
-            trainer_class=Trainer,
-            trainer_defaults={"callbacks": [LastCheckpoint(), ProgressFile(), MetricsFile(), PredictionFile()]},
-            auto_configure_optimizers=False,
-            save_config_callback=SaveConfig,
-            parser_kwargs={"parser_mode": "omegaconf+", "exit_on_error": False, "allow_abbrev": False},
-            args=None if arguments == sys.argv[1:] else arguments,
-        )
-    except ArgumentError as error:
-        raise SagError(one_sentence(str(error))) from error
-    except ValueError as error:
-        raise refusal(error) or error from None
+        with one_sentence_each():
+            TrainingCLI(
+                datamodule_class=MotionDataModule,
+                subclass_mode_data=True,
+                subclass_mode_model=True,
+                trainer_class=Trainer,
+                trainer_defaults={"callbacks": [LastCheckpoint(), ProgressFile(), MetricsFile(), PredictionFile()]},
+                auto_configure_optimizers=False,
+                save_config_callback=SaveConfig,
+                parser_kwargs={"parser_mode": "omegaconf+", "exit_on_error": False, "allow_abbrev": False},
+                args=None if arguments == sys.argv[1:] else arguments,
+            )
     finally:
         torch.set_flush_denormal(False)
         wandb.finish()

@@ -101,6 +101,13 @@ class Method(pl.LightningModule):
             "use the configs that it was trained with, which lie in its run's folder",
         )
 
+    def _step(self, which: int, loss: Any) -> None:
+        """A step of one of the optimisers, for methods that step by hand."""
+        optimizer: Any = self.optimizers()[which]  # type: ignore[index]
+        optimizer.zero_grad(set_to_none=True)
+        self.manual_backward(loss)
+        optimizer.step()
+
     def _require_trained(self) -> None:
         if not self.trained and not self._only_wiring:
             raise SagError(f"this {type(self).__name__} was never trained: name a checkpoint with --ckpt_path")

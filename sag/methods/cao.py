@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import torch
 import torch.nn.functional as F
@@ -125,15 +124,9 @@ class Cao(Method):
                 seen = self._seen(batch)
             losses = (self._goal_losses, self._path_losses, self._pose_losses)[stage](seen, batch)
             self._step(stage, sum(losses.values()))
+            self.stage_steps[stage] += 1
             self.log_dict({f"train/{name}": loss.detach() for name, loss in losses.items()})
         self.log("train/generator_step", self.generator_steps.float())
-
-    def _step(self, stage: int, loss: Any) -> None:
-        optimizer: Any = self.optimizers()[stage]  # type: ignore[index]
-        optimizer.zero_grad(set_to_none=True)
-        self.manual_backward(loss)
-        optimizer.step()
-        self.stage_steps[stage] += 1
 
     def _goal_losses(self, seen: Seen, batch: Batch) -> dict[str, Tensor]:
         goal = self._goal_map(seen, self._pixels(batch, batch.motion.roots[:, -1]))

@@ -99,8 +99,7 @@ class SAG(WGAN):
         with torch.set_grad_enabled(generator_due):
             condition = self.sampler.condition(batch.scene, batch.motion)
             depth, losses = self.depth(condition.feature, batch.scene)
-            noise = self.sampler.generator.noise(len(batch))
-            fake = self.sampler.generator(condition, batch.motion, noise)
+            fake, _ = self.generate(condition, batch.motion)
         seen = condition.detach()
         self._train_critics(batch.motion, fake.detach(), seen, depth)
         if generator_due:

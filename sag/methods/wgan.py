@@ -141,12 +141,6 @@ class WGAN(Method):
         self.log_dict({f"train/generator/{name}": loss.detach() for name, loss in losses.items()})
         self.log("train/generator_step", self.generator_steps.float())
 
-    def _step(self, which: int, loss: Any) -> None:
-        optimizer: Any = self.optimizers()[which]  # type: ignore[index]
-        optimizer.zero_grad(set_to_none=True)
-        self.manual_backward(loss)
-        optimizer.step()
-
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window."""
         return self.sampler(batch.scene, batch.motion, generator)

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from sag.data.check.bodies import Bones
 from sag.data.check.report import Line, by_recording, several, within
+from sag.data.recordings.plan import spread
 from sag.errors import SagError
 
 Recorded = TypeVar("Recorded")
@@ -44,13 +43,6 @@ class Findings(Generic[Recorded, Looked]):
                 self.looks.append(look(frame))
             except SagError as error:
                 self.broken.append(str(error))
-
-
-def spread(frames: Sequence[int], count: int | None) -> list[int]:
-    """So many of the frames, evenly spread; all where no number is given."""
-    if count is None or count >= len(frames):
-        return list(frames)
-    return [frames[place] for place in np.linspace(0, len(frames) - 1, count).round().astype(int)]
 
 
 def decoded_line(everything: Sequence[Findings]) -> Line:

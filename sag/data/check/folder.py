@@ -59,16 +59,16 @@ def _examined(module: FolderDataModule, folder: Path, pictures: int | None) -> F
     except SagError as error:
         found.broken.append(str(error))
         return found
-    found.jumps = root_jumps(recording.joints[:, recording.root], module.form.limits)
+    found.jumps = root_jumps(recording.joints[:, module.form.root_place], module.form.limits)
     if "head" in module.told.joints:
         way = way_between(module.told, "head", "right_ankle")
         found.bones = bones_of(recording.joints, module.told.bone_index, way)
-    found.look_at(sorted(recording.pictures.complete), pictures, partial(_sight_of, recording))
+    found.look_at(sorted(recording.pictures.complete), pictures, partial(_sight_of, recording, module.form.root_place))
     return found
 
 
-def _sight_of(recording: Recording, frame: int) -> Sight:
-    """Looks at a frame that has pictures.
+def _sight_of(recording: Recording, root: int, frame: int) -> Sight:
+    """Looks at a frame that has pictures; the root is the joint of this place.
 
     Raises:
         SagError: a picture cannot be read.
@@ -83,7 +83,7 @@ def _sight_of(recording: Recording, frame: int) -> Sight:
     seen = depth[rows, columns]
     gaps = (joints[inside, 2] - seen)[seen > 0]
     on_person = np.nan if person is None or not len(rows) else float(person[rows, columns].mean())
-    height = float(world[recording.root, 2] - world[recording.skeleton.feet, 2].min())
+    height = float(world[root, 2] - world[recording.skeleton.feet, 2].min())
     return Sight(float(inside.mean()), gaps, on_person, height)
 
 

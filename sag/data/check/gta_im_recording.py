@@ -10,13 +10,14 @@ from scipy.ndimage import binary_dilation
 
 from sag.data.archives import names_in, read_archive
 from sag.data.check.bodies import bones_of
-from sag.data.check.findings import Findings, spread
+from sag.data.check.findings import Findings
 from sag.data.gta_im.cameras import Cut, camera_cuts, camera_zooms
 from sag.data.gta_im.files import ARCHIVE
 from sag.data.gta_im.recording import JOINTS, ROOT, SUFFIXES, Recording
 from sag.data.gta_im.views import BEFORE_JOINT, BEHIND_JOINT, person_id
 from sag.data.pictures import read_colour
 from sag.data.recordings.filters import Limits, inside_picture, pixels_of, root_jumps
+from sag.data.recordings.plan import spread
 from sag.data.recordings.views import Picture
 from sag.errors import SagError
 

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from sag.data.cache import PERSON, SPLITS
 from sag.data.check.report import Line, Report, Section, several
 from sag.data.recordings.filters import BROKEN
-from sag.data.recordings.plan import Plan, Window
+from sag.data.recordings.plan import Plan, Window, spread
 from sag.data.sheet import Tile, draw_sheet, projected
 from sag.errors import SagError
 from sag.text import plain
@@ -41,8 +39,8 @@ class Inspection:
         """
         windows = sorted({(w.recording, w.start): w for w in (self.plan.windows if self.plan else ())}.items())
         tiles: list[Tile] = []
-        for place in np.linspace(0, len(windows) - 1, min(count, len(windows))).round().astype(int):
-            if tile := self._tile(windows[place][1]):
+        for _, window in spread(windows, count):
+            if tile := self._tile(window):
                 tiles.append(tile)
         if not tiles:
             raise SagError(f"{self.module.root} has no window to draw on {path}")

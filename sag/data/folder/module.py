@@ -102,7 +102,7 @@ class FolderDataModule(RecordedDataModule):
         return Reader(self.name, self._read, usable_starts, stored_window, rooms=rooms, events=events)
 
     def _read(self, folder: Path) -> Recording:
-        recording = Recording.read(folder, self.told, self.told.joints.index(self.skeleton.root))
+        recording = Recording.read(folder, self.told)
         if recording.head.fps != self.native_fps():
             raise SagError(
                 f"{folder / MOTION} tells fps {recording.head.fps:g}, unlike {next(iter(self.heads))} with "

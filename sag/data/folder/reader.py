@@ -8,20 +8,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from sag.data.folder.recording import Recording
-from sag.data.recordings.body import BEHIND_SKIN, body_depth
-from sag.data.recordings.filters import (
-    NO_PICTURE,
-    ROOT_JUMPS,
-    faultless_starts,
-    jumps_in,
-    motion_fault,
-    root_jumps,
-)
-from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
+from sag.data.recordings.body import BEHIND_SKIN, NOTHING, PERSON, body_depth, unhidden
+from sag.data.recordings.filters import NO_PICTURE, ROOT_JUMPS, root_jumps
+from sag.data.recordings.starts import starts_in
+from sag.data.recordings.views import Picture, WindowFormat, window_arrays
 from sag.types import FRAMES
-
-NOTHING, PERSON = 0, 1
-"""Ids in a native picture."""
 
 
 def events(recording: Recording, form: WindowFormat) -> Counter[str]:
@@ -30,25 +21,13 @@ def events(recording: Recording, form: WindowFormat) -> Counter[str]:
 
 
 def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tuple[list[int], Counter[str]]:
-    """Frames where a usable window starts, and how many windows were dropped for what.
-
-    Args:
-        recording: a recording.
-        stride: frames from one window to the next.
-        form: how windows are stored, and what they must keep to.
-    """
-    jumps = root_jumps(recording.joints[:, form.root_place], form.limits)
-    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, form))
+    """Frames where a usable window starts, and how many windows were dropped for what; see `starts_in`."""
+    return starts_in(recording, stride, form, _picture_fault)
 
 
-def _fault(recording: Recording, start: int, jumps: list[int], form: WindowFormat) -> str | None:
-    """The first reason against the window that starts at a frame."""
-    if start not in recording.pictures.complete:
-        return NO_PICTURE
-    if jumps_in(jumps, start):
-        return ROOT_JUMPS
-    joints = recording.seen_from(start, slice(start, start + FRAMES))[:, form.joints]
-    return motion_fault(joints, form.root, recording.intrinsics[start], recording.size, form.limits)
+def _picture_fault(recording: Recording, start: int) -> str | None:
+    """The reason against the pictures of a frame, if there is one."""
+    return None if start in recording.pictures.complete else NO_PICTURE
 
 
 def stored_window(
@@ -71,9 +50,7 @@ def stored_window(
     if person is None:
         return None
     picture = Picture(colour, depth, np.where(person, PERSON, NOTHING), recording.intrinsics[start])
-    window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start]}
-    window |= centred_picture(picture, joints[0, form.root_place], PERSON, form)
-    return window | (depth_cloud(picture, PERSON, form) if with_cloud else {})
+    return window_arrays(picture, PERSON, joints, recording.world2cam[start], form, picture if with_cloud else None)
 
 
 def person_in(
@@ -95,6 +72,5 @@ def person_in(
     """
     body = body_depth(joints, recording.skeleton, recording.intrinsics[frame], recording.size)
     told = recording.pictures.person(frame)
-    seen = np.isfinite(body) & ((depth == 0) | (body < depth + BEHIND_SKIN))
-    person = seen if told is None else told
+    person = unhidden(body, depth, BEHIND_SKIN) if told is None else told
     return person if (person & np.isfinite(body)).any() else None

@@ -23,7 +23,6 @@ class Recording:
     Attributes:
         folder: its files.
         skeleton: of the joints.
-        root: place of the joint that windows are centred on.
         head: frames a second and room.
         joints: metres, world frame (z up).
         world2cam: column vectors, metres, to the camera frame (x right, y down, z forward).
@@ -33,7 +32,6 @@ class Recording:
 
     folder: Path
     skeleton: Skeleton
-    root: int
     head: Head
     joints: Float[np.ndarray, "t j 3"]
     world2cam: Float[np.ndarray, "t 4 4"]
@@ -41,13 +39,12 @@ class Recording:
     pictures: Pictures
 
     @classmethod
-    def read(cls, folder: Path, skeleton: Skeleton, root: int) -> Recording:
+    def read(cls, folder: Path, skeleton: Skeleton) -> Recording:
         """Reads everything but the pictures, of which it looks at the names and one size.
 
         Args:
             folder: of the recording.
             skeleton: of the joints in the file.
-            root: place of the joint that windows are centred on.
 
         Raises:
             SagError: the motion is missing, damaged or cannot be, or the pictures are missing, of other frames or of
@@ -65,7 +62,7 @@ class Recording:
                 f"{path} has intrinsics of other pictures than these of {pictures.size} pixels: in frame {frame} the "
                 "camera looks beside them"
             )
-        return cls(folder, skeleton, root, read_head(path), joints, world2cam, intrinsics, pictures)
+        return cls(folder, skeleton, read_head(path), joints, world2cam, intrinsics, pictures)
 
     def __len__(self) -> int:
         return len(self.joints)

@@ -9,10 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sag.data.pictures import PIXEL_LIMIT
+from sag.data.recordings.cameras import WORLD, improper
 from sag.errors import SagError
-
-WORLD = 1e5
-"""Farthest that anything lies from the world's origin, metres."""
 
 CUT_STEP = 1.0
 """A camera that moves farther than this in one frame (metres) cuts."""
@@ -94,14 +92,12 @@ def check_cameras(world2cam: Float[np.ndarray, "t 4 4"], intrinsics: Float[np.nd
     """
     focal, centre = intrinsics[:, [0, 1], [0, 1]], intrinsics[:, :2, 2]
     axes, rest = world2cam[:, :3, :3], world2cam[:, :, 3]
-    products = np.einsum("tji,tjk->tik", axes, axes)
     faults = {
         "a focal length that is not positive": ~((focal > 0) & (focal < 1e6)).all(axis=1),
         "a camera matrix whose last row is not 0 0 1": (intrinsics[:, 2] != (0, 0, 1)).any(axis=1),
         "a picture of impossible size": (centre < 1).any(axis=1) | (4 * centre.prod(axis=1) > PIXEL_LIMIT),
         "a picture of another size than the first": (np.abs(centre - centre[0]) > 1e-3).any(axis=1),
-        "a camera whose rotation is none": (np.abs(products - np.eye(3)) > 1e-3).any(axis=(1, 2))
-        | (np.linalg.det(axes) < 0),
+        "a camera whose rotation is none": improper(axes.swapaxes(1, 2)),
         "a camera for column vectors, or none": (np.abs(rest - (0, 0, 0, 1)) > 1e-6).any(axis=1),
         f"a camera more than {WORLD:g} metres from the origin": (np.abs(world2cam[:, 3, :3]) > WORLD).any(axis=1),
     }

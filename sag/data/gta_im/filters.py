@@ -8,17 +8,9 @@ import numpy as np
 
 from sag.data.gta_im.cameras import camera_cuts, camera_zooms
 from sag.data.gta_im.recording import Recording
-from sag.data.recordings.filters import (
-    NO_CLIPS,
-    NO_PICTURE,
-    ROOT_JUMPS,
-    faultless_starts,
-    jumps_in,
-    motion_fault,
-    root_jumps,
-)
+from sag.data.recordings.filters import NO_CLIPS, NO_PICTURE, root_jumps
+from sag.data.recordings.starts import starts_in
 from sag.data.recordings.views import WindowFormat
-from sag.types import FRAMES
 
 
 def events(recording: Recording, form: WindowFormat) -> Counter[str]:
@@ -33,24 +25,12 @@ def events(recording: Recording, form: WindowFormat) -> Counter[str]:
 
 
 def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tuple[list[int], Counter[str]]:
-    """Frames where a usable window starts, and how many windows were dropped for what.
-
-    Args:
-        recording: a recording.
-        stride: frames from one window to the next.
-        form: how windows are stored, and what they must keep to.
-    """
-    jumps = root_jumps(recording.joints[:, form.root_place], form.limits)
-    return faultless_starts(len(recording), stride, lambda start: _fault(recording, start, jumps, form))
+    """Frames where a usable window starts, and how many windows were dropped for what; see `starts_in`."""
+    return starts_in(recording, stride, form, _picture_fault)
 
 
-def _fault(recording: Recording, start: int, jumps: list[int], form: WindowFormat) -> str | None:
-    """The first reason against the window that starts at a frame."""
+def _picture_fault(recording: Recording, start: int) -> str | None:
+    """The first reason against the pictures of a frame."""
     if start not in recording.pictured:
         return NO_PICTURE
-    if not np.isfinite(recording.clips[start]).all():
-        return NO_CLIPS
-    if jumps_in(jumps, start):
-        return ROOT_JUMPS
-    joints = recording.seen_from(start, slice(start, start + FRAMES))[:, form.joints]
-    return motion_fault(joints, form.root, recording.intrinsics[start], recording.size, form.limits)
+    return None if np.isfinite(recording.clips[start]).all() else NO_CLIPS

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from sag.data.gta_im.recording import Recording
 from sag.data.recordings.filters import inside_picture, pixels_of
-from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
+from sag.data.recordings.views import Picture, WindowFormat, window_arrays
 from sag.types import FRAMES
 
 BEFORE_JOINT = 0.3
@@ -36,9 +36,7 @@ def stored_window(
     person = person_id(picture, joints[0])
     if person is None:
         return None
-    window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam[start].T}
-    window |= centred_picture(picture, joints[0, form.root_place], person, form)
-    return window | (depth_cloud(picture, person, form) if with_cloud else {})
+    return window_arrays(picture, person, joints, recording.world2cam[start].T, form, picture if with_cloud else None)
 
 
 def person_id(picture: Picture, joints: Float[np.ndarray, "j 3"]) -> int | None:

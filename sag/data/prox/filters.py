@@ -13,7 +13,7 @@ from sag.data.recordings.filters import (
     NO_PICTURE,
     ROOT_JUMPS,
     ROOT_OUTSIDE,
-    TOO_SHORT,
+    faultless_starts,
     inside_picture,
     pixels_of,
     root_jumps,
@@ -36,23 +36,17 @@ def usable_starts(recording: Recording, stride: int, form: WindowFormat) -> tupl
         stride: frames from one window to the next.
         form: how windows are stored, and what they must keep to.
     """
-    if len(recording) < FRAMES:
-        return [], Counter({TOO_SHORT: 1})
-    starts = range(0, len(recording) - FRAMES + 1, stride)
     frames, steps = _faulty_frames(recording, form), _faulty_steps(recording, form)
     pictured = recording.measured if recording.scan is None else np.ones(len(recording), bool)
-    usable: list[int] = []
-    dropped: Counter[str] = Counter()
-    for start in starts:
-        inside = slice(start, start + FRAMES)
-        faults = [] if pictured[start] else [NO_PICTURE]
-        faults += [reason for reason, faulty in frames.items() if faulty[inside].any()]
-        faults += [reason for reason, faulty in steps.items() if faulty[start : start + FRAMES - 1].any()]
-        if faults:
-            dropped[faults[0]] += 1
-        else:
-            usable.append(start)
-    return usable, dropped
+
+    def fault(start: int) -> str | None:
+        if not pictured[start]:
+            return NO_PICTURE
+        found = [reason for reason, faulty in frames.items() if faulty[start : start + FRAMES].any()]
+        found += [reason for reason, faulty in steps.items() if faulty[start : start + FRAMES - 1].any()]
+        return found[0] if found else None
+
+    return faultless_starts(len(recording), stride, fault)
 
 
 def events(recording: Recording, form: WindowFormat) -> Counter[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sag.data.paths import read_file
+from sag.data.recordings.cameras import improper
 from sag.errors import SagError
 
 FARTHEST = 1e4
@@ -17,9 +18,6 @@ FARTHEST = 1e4
 
 LARGEST = 1 << 20
 """Bytes of the largest JSON file that is read; the real ones have a few thousand."""
-
-TOLERANCE = 1e-3
-"""How far a rotation may be from an orthonormal matrix, in any of its numbers."""
 
 
 def read_json(path: Path) -> Any:
@@ -63,5 +61,5 @@ def check_rotation(matrix: Float[np.ndarray, "3 3"], what: str) -> None:
     Raises:
         SagError: the matrix is no rotation.
     """
-    if np.abs(matrix @ matrix.T - np.eye(3)).max() > TOLERANCE or np.linalg.det(matrix) < 0:
+    if improper(matrix[None])[0]:
         raise SagError(f"{what} holds no rotation, so places in it would be wrong; restore the original file")

@@ -9,14 +9,11 @@ from sag.data.pictures import read_colour, refuse_cut_off
 from sag.data.prox.person import mask_of, with_person
 from sag.data.prox.recording import Recording
 from sag.data.prox.sensor import Aligned, aligned, read_depth
-from sag.data.recordings.body import BEHIND_SKIN, body_depth
-from sag.data.recordings.views import Picture, WindowFormat, centred_picture, depth_cloud
+from sag.data.recordings.body import BEHIND_SKIN, NOTHING, PERSON, body_depth, unhidden
+from sag.data.recordings.views import Picture, WindowFormat, window_arrays
 from sag.errors import SagError
 from sag.skeleton import PROX_16
 from sag.types import FRAMES
-
-NOTHING, PERSON = 0, 1
-"""Ids in a native picture."""
 
 
 def stored_window(
@@ -45,13 +42,10 @@ def stored_window(
     ids = np.where(person, PERSON, NOTHING)
     depth = scene if recording.scan is None else with_person(scene, body, person)
     joints = recording.joints[start : start + FRAMES]
-    window = {"joints": joints[:, form.joints], "world2cam": recording.world2cam}
     picture = Picture(colour, depth, ids, recording.intrinsics)
-    window |= centred_picture(picture, joints[0, form.root_place], PERSON, form)
-    if not with_cloud:
-        return window
     holes = ids if recording.scan is None else np.full_like(ids, NOTHING)
-    return window | depth_cloud(Picture(colour, scene, holes, recording.intrinsics), PERSON, form)
+    cloud = Picture(colour, scene, holes, recording.intrinsics) if with_cloud else None
+    return window_arrays(picture, PERSON, joints, recording.world2cam, form, cloud)
 
 
 def read_unmirrored(recording: Recording, frame: int) -> UInt8[np.ndarray, "h w 3"]:
@@ -93,4 +87,4 @@ def _person(
     """Where the person is: by PROX's masks, and without them where the capsules are not hidden by the scene."""
     told = mask_of(recording.folder, recording.frames[frame].stem, recording.size, measured)
     slack = BEHIND_SKIN if recording.scan is None else 0.0
-    return np.isfinite(body) & ((scene == 0) | (body < scene + slack)) if told is None else told
+    return unhidden(body, scene, slack) if told is None else told

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from sag.data.rays import cast, pixel_rays
 from sag.skeleton import Skeleton
@@ -20,6 +20,9 @@ OTHERWISE = 0.06
 
 BEHIND_SKIN = 0.1
 """How far a capsule may lie behind the skin that a sensor measured, metres."""
+
+NOTHING, PERSON = 0, 1
+"""Ids in a native picture of which only the person is known."""
 
 NEAREST = 0.1
 """Bodies that come nearer than this to the camera (metres) are sought in the whole picture."""
@@ -43,6 +46,17 @@ def body_depth(
         found = cast(triangles, pixel_rays(intrinsics, rows, columns))
         depth[slice(*rows), slice(*columns)] = found.reshape(rows[1] - rows[0], columns[1] - columns[0])
     return depth
+
+
+def unhidden(body: Float[np.ndarray, "h w"], depth: Float[np.ndarray, "h w"], slack: float) -> Bool[np.ndarray, "h w"]:
+    """Where capsules are not hidden by what a picture's depth shows.
+
+    Args:
+        body: see `body_depth`.
+        depth: planar z, metres, 0 where it is not known.
+        slack: how far a capsule may lie behind that, metres.
+    """
+    return np.isfinite(body) & ((depth == 0) | (body < depth + slack))
 
 
 def _capsules(joints: Float[np.ndarray, "j 3"], skeleton: Skeleton) -> Float[np.ndarray, "n 3 3"]:

@@ -73,11 +73,6 @@ def faultless_starts(frames: int, stride: int, fault: Callable[[int], str | None
     return [start for start, found in faults.items() if found is None], Counter(f for f in faults.values() if f)
 
 
-def jumps_in(jumps: list[int], start: int) -> bool:
-    """Whether the root jumps, after one of these frames, inside the window that starts at a frame."""
-    return any(start <= jump < start + FRAMES - 1 for jump in jumps)
-
-
 def motion_fault(
     joints: Float[np.ndarray, "t j 3"],
     root: int,

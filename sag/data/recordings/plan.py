@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from rich.console import Console
@@ -16,6 +17,8 @@ from sag.data.recordings.reader import Reader
 from sag.data.recordings.splits import Room, RoomSplit, Split
 from sag.data.recordings.views import WindowFormat
 from sag.errors import SagError
+
+T = TypeVar("T")
 
 VAL_FROM_TRAINING = 16
 """Most validation windows that are taken from training windows when no recording can be held out."""
@@ -167,12 +170,12 @@ def _divided(found: _Found, split: Split) -> tuple[Window, ...]:
         for recording in (found.used[member] for member in members):
             starts = found.starts[recording]
             if name == "val" and set(split.val) & set(split.train):
-                starts = _spread(starts, VAL_FROM_TRAINING)
+                starts = spread(starts, VAL_FROM_TRAINING)
             windows += [Window(recording, start, name) for start in starts]
     return tuple(windows)
 
 
-def _spread(starts: list[int], count: int) -> list[int]:
-    """At most so many of the starts, evenly spread."""
-    places = np.linspace(0, len(starts) - 1, min(count, len(starts))).round().astype(int)
-    return [starts[place] for place in places]
+def spread(items: Sequence[T], count: int | None) -> list[T]:
+    """At most so many of some things, evenly spread; all where no number is given."""
+    kept = len(items) if count is None else min(count, len(items))
+    return [items[place] for place in np.linspace(0, len(items) - 1, kept).round().astype(int)]

@@ -61,6 +61,29 @@ class WindowFormat:
         return len(range(first, rows, step)), len(range(first, columns, step))
 
 
+def window_arrays(
+    picture: Picture,
+    person: int,
+    joints: Float[np.ndarray, "t j 3"],
+    world2cam: Float[np.ndarray, "4 4"],
+    form: WindowFormat,
+    cloud: Picture | None,
+) -> dict[str, np.ndarray]:
+    """The cache's arrays of one window by name.
+
+    Args:
+        picture: of the start frame.
+        person: the person's id in it.
+        joints: all those of the files, metres, camera frame of the start frame.
+        world2cam: of the start frame, column vectors, metres.
+        form: how windows are stored.
+        cloud: what the cloud is made of; nothing where none is wanted.
+    """
+    window = {"joints": joints[:, form.joints], "world2cam": world2cam}
+    window |= centred_picture(picture, joints[0, form.root_place], person, form)
+    return window | (depth_cloud(cloud, person, form) if cloud else {})
+
+
 def centred_picture(
     picture: Picture, root: Float[np.ndarray, " 3"], person: int, form: WindowFormat
 ) -> dict[str, np.ndarray]:
