@@ -60,8 +60,9 @@ def test_a_folder_of_a_data_set_leads_to_its_root(root, inside):
 
 
 def test_other_folders_are_refused_with_what_was_expected(tmp_path, root):
+    (nothing := tmp_path / "nothing").mkdir()
     with pytest.raises(SagError, match="has none of FPS-30 or FPS-5 for GTA-IM; recordings or PROXD"):
-        recognised(tmp_path.parent)
+        recognised(nothing)
     with pytest.raises(SagError, match="absent is missing"):
         recognised(tmp_path / "absent")
     (root / "FPS-30").rename(tmp_path / "elsewhere")
