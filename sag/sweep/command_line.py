@@ -17,8 +17,9 @@ from sag.sweep.display import LiveTable, PlainLines
 from sag.sweep.estimate import duration
 from sag.sweep.process import tail
 from sag.sweep.rows import Row, plan
-from sag.sweep.runner import Interrupts, Runner, Tracked, track
+from sag.sweep.runner import Interrupts, Runner
 from sag.sweep.status import LOG, locked
+from sag.sweep.tracked import Tracked, track
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it."""
@@ -27,7 +28,8 @@ DESCRIPTION = """\
 Trains and tests every row of a sweep file (W&B's format, grid search), each in a process of its own,
 after the encoders of Motion FID and the ground truth; last, where components vary, a row that is blind to
 the scene. Rows that have finished are not run again, so the same command continues after Ctrl-C, a crash or
-a changed config; a row that fails does not stop the others.
+a changed config, and rows that a sweep in a folder beside this one has finished are copied from there;
+a row that fails does not stop the others.
 Every row has a folder with its log.txt, status.json and metrics.json; `sag report` makes tables of them."""
 
 
@@ -98,8 +100,10 @@ def _check(asked: argparse.Namespace) -> None:
 def _run(sweep: Sweep, rows: Sequence[Row], out: Path, jobs: int, console: Console) -> int:
     began = time.monotonic()
     tracked = track(rows, out)
-    finished = sum(t.status.state == "finished" for t in tracked)
-    kept = f"; {finished} finished before and are kept" if finished else ""
+    finished = [t for t in tracked if t.status.state == "finished"]
+    kept = f"; {len(finished)} finished before and are kept" if finished else ""
+    elsewhere = sorted({str(Path(t.status.taken_from).parent) for t in finished if t.status.taken_from})
+    kept += f" (from {', '.join(elsewhere)} too, where the same commands ran)" if elsewhere else ""
     _print(console, f"{sweep.name}: {len(tracked)} runs, {jobs} at a time, in {out}{kept}")
     with Interrupts() as interrupts:
         with (LiveTable if console.is_terminal else PlainLines)(tracked, jobs, console) as display:

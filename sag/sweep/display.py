@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from sag.sweep.estimate import duration, elapsed, fraction_done, remaining, remaining_of_all
-from sag.sweep.runner import Tracked
 from sag.sweep.status import LOG
+from sag.sweep.tracked import Tracked
 
 HEARTBEAT = 30.0
 """Seconds between two lines about the whole, where there is no terminal."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from sag.sweep.runner import Tracked
+from sag.sweep.tracked import Tracked
 
 TELLING = 0.03
 """Share of a row from which its pace says something."""

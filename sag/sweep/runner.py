@@ -2,52 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
 import signal
 import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, replace
-from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Protocol, runtime_checkable
 
-from sag.errors import SagError
 from sag.sweep import process
-from sag.sweep.rows import Row
-from sag.sweep.status import METRICS, Progress, Status, read_progress, read_status
+from sag.sweep.status import METRICS, read_progress
+from sag.sweep.tracked import Tracked
 
 POLL = 0.2
 """Seconds between two looks at the rows."""
-
-
-@dataclass
-class Tracked:
-    """A row while the sweep runs.
-
-    Attributes:
-        row: what is run.
-        folder: where it writes.
-        status: as on disk.
-        progress: the row's own word.
-        process: while it runs.
-    """
-
-    row: Row
-    folder: Path
-    status: Status
-    progress: Progress = field(default_factory=Progress)
-    process: subprocess.Popen[bytes] | None = None
-
-    def set(self, **changes: Any) -> None:
-        """Changes the status, here and on disk."""
-        self.status = replace(self.status, **changes)
-        self.status.write(self.folder)
-
-
-REPLACED = "replaced"
-"""Folder beside the rows that keeps those which another command or config has taken the place of."""
 
 
 @runtime_checkable
@@ -82,47 +50,6 @@ class Interrupts(AbstractContextManager["Interrupts"]):
     ) -> None:
         for number, handler in self._before.items():
             signal.signal(number, handler)
-
-
-def track(rows: Sequence[Row], out: Path) -> list[Tracked]:
-    """Every row with its state: finished rows stay so unless something changed, all others wait.
-
-    A row left running by a sweep that was killed is ended first.
-
-    Raises:
-        SagError: a row's folder holds what no sweep wrote.
-    """
-    tracked = []
-    for row in rows:
-        folder = out / row.name
-        before = read_status(folder)
-        waiting = Tracked(row, folder, Status("waiting", row.command, row.fingerprint))
-        if before and is_finished(before, row, folder):
-            waiting.status = before
-        else:
-            _make_way(before, folder)
-            waiting.status.write(folder)
-        tracked.append(waiting)
-    return tracked
-
-
-def _make_way(before: Status | None, folder: Path) -> None:
-    """Ends what was left running; what had finished under another command is moved, not emptied."""
-    if before and before.state == "finished" and (folder / METRICS).is_file():
-        kept = folder.parent / REPLACED / f"{folder.name}-{before.command_hash[:8]}"
-        shutil.rmtree(kept, ignore_errors=True)
-        kept.parent.mkdir(exist_ok=True)
-        folder.rename(kept)
-    elif before:
-        process.stop_leftover(before)
-    elif folder.is_dir() and any(folder.iterdir()):
-        raise SagError(f"{folder} holds files that no sweep wrote; move them away or choose another --out")
-
-
-def is_finished(status: Status, row: Row, folder: Path) -> bool:
-    """Whether the row need not run: it ended well, nothing it reads has changed, its figures are there."""
-    unchanged = status.state == "finished" and status.command_hash == row.fingerprint
-    return unchanged and (not row.measured or (folder / METRICS).is_file())
 
 
 class Runner:

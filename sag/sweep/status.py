@@ -39,6 +39,7 @@ class Status:
         ended: seconds since the epoch.
         returncode: exit status, negative for a signal.
         reason: why it failed, in one line.
+        taken_from: folder of the row that this is a copy of, in a sweep that ran the same command before.
     """
 
     state: State
@@ -49,6 +50,7 @@ class Status:
     ended: float | None = None
     returncode: int | None = None
     reason: str | None = None
+    taken_from: str | None = None
 
     def write(self, folder: Path) -> None:
         """Replaces the row's `status.json` whole: a reader never sees half of it."""

@@ -7,8 +7,8 @@ from rich.console import Console
 from sag.sweep.display import LiveTable, PlainLines, event, summary, visible
 from sag.sweep.estimate import duration, fraction_done, remaining, remaining_of_all
 from sag.sweep.rows import Row
-from sag.sweep.runner import Tracked
 from sag.sweep.status import Progress, Status
+from sag.sweep.tracked import Tracked
 
 
 def tracked(folder, name, state, progress=None, **status):

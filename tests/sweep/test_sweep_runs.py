@@ -1,5 +1,6 @@
 """Whole sweeps of a fake program: what runs, what runs again, what is said."""
 
+import json
 import subprocess
 import sys
 
@@ -144,3 +145,29 @@ def test_flags_that_mean_nothing_are_refused(workplace, flags, sentence):
 def test_importing_the_sweep_does_not_import_torch():
     code = "import sys, sag.sweep; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_rows_that_a_sweep_beside_has_finished_are_copied(workplace, capsys):
+    main(["sweep.yaml"])
+    workplace.forget()
+    assert main(["sweep.yaml", "--out", "runs/second"]) == 0
+    assert workplace.names() == [] and "(from runs/trial too" in capsys.readouterr().out
+    for name in ALL:
+        status = json.loads((workplace.folder / "runs" / "second" / name / "status.json").read_text())
+        assert status["state"] == "finished" and status["taken_from"] == f"runs/trial/{name}"
+        assert (workplace.folder / "runs" / "second" / name / "log.txt").is_file()
+    assert not list((workplace.folder / "runs" / "second").glob(".*.[0-9]*"))
+    main(["sweep.yaml", "--out", "runs/third", "--set", "a=2"])
+    assert set(workplace.names()) == ALL, "another command"
+
+
+def test_rows_of_sweeps_elsewhere_or_unfinished_are_not_copied(workplace):
+    workplace.wishes(c={"fails": "the scene is empty"})
+    main(["sweep.yaml"])
+    workplace.wishes()
+    workplace.forget()
+    main(["sweep.yaml", "--out", "runs/second"])
+    assert workplace.names() == ["c"]
+    workplace.forget()
+    main(["sweep.yaml", "--out", "elsewhere/second"])
+    assert set(workplace.names()) == ALL
