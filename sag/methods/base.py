@@ -160,7 +160,7 @@ class Method(pl.LightningModule):
         )
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
-        """Scores held-out windows of the training rooms; they have no cloud, so motion alone."""
+        """Scores held-out windows of the training rooms, which have no cloud: motion, floor and known geometry."""
         self._score(batch)
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:

@@ -57,7 +57,7 @@ def measures_of(
     """All that can be measured on a split: without encoders, depth, known geometry or other rooms, less.
 
     Args:
-        split: "val" or "test"; only test windows have depth clouds.
+        split: "val" or "test"; only test windows have depth clouds, all those of the rooms a geometry.
         data: where the windows come from.
         encoders: of Motion FID, if there are any.
         evaluation: the protocol.
@@ -68,9 +68,7 @@ def measures_of(
         measures = encoded_measures(data, encoders) + measures
     if drawn:
         measures += sample_measures(data, encoders, evaluation.samples)
-    if split == "test":
-        measures += scene_measures(data, evaluation)
-    return measures
+    return measures + scene_measures(split, data, evaluation)
 
 
 def encoded_measures(data: MotionDataModule, encoders: ClipEncoders) -> list[Measure]:
@@ -124,33 +122,49 @@ def sample_measures(data: MotionDataModule, encoders: ClipEncoders | None, sampl
     return measures
 
 
-def scene_measures(data: MotionDataModule, evaluation: Evaluation) -> list[Measure]:
-    """What needs the depth cloud, the floor or the known geometry of the scene."""
-    rows = data.cache.rows("test")
-    feet, bones = data.skeleton.feet, data.skeleton.bone_index
+def scene_measures(split: str, data: MotionDataModule, evaluation: Evaluation) -> list[Measure]:
+    """What needs the depth cloud, the floor or the known geometry of the scene; a floor is known or seen in a cloud."""
+    rows = data.cache.rows(split)
+    known = bool(len(rows)) and data.geometry(int(data.cache.scene[rows[0]])) is not None
+    measures = cloud_measures(data, evaluation) if split == "test" else []
+    if split == "test" or known:
+        measures += floor_measures(data)
+    if known:
+        penetration = Penetration(data.skeleton.bone_index, data.skeleton.root_index, every=4)
+        measures.append(Measure("penetration", penetration, _penetrate))
+    return measures
+
+
+def cloud_measures(data: MotionDataModule, evaluation: Evaluation) -> list[Measure]:
+    """What needs the depth clouds of the test windows: their own, and another room's where there are several."""
+    rows, bones = data.cache.rows("test"), data.skeleton.bone_index
     protocol: dict[str, Any] = {
         "frames": max(1, min(GENERATED, round(evaluation.collision_frames / max(1, len(rows))))),
         "unit": evaluation.collision_unit,
         "shape": evaluation.collision_shape,
         "seed": evaluation.seed,
     }
-    ankle = {"ankle_height": data.ankle_height}
+    measures = [
+        Measure("non_collision", NonCollisionRatio(bones, **protocol), _collide),
+        Measure("scene_frechet", SceneFrechet(data.skeleton.root_index), _compare_in_scene),
+    ]
+    if len(set(data.cache.scene[rows].tolist())) > 1:
+        measures.append(Measure("collisions", SceneAwareness(bones, **protocol), _collide_elsewhere))
+    return measures
+
+
+def floor_measures(data: MotionDataModule) -> list[Measure]:
+    """What the feet do on the floor."""
+    feet, ankle = data.skeleton.feet, {"ankle_height": data.ankle_height}
 
     def on_floor(metric: Any, judged: Judged) -> None:
         metric.update(judged.world, judged.floor)
 
-    measures = [
-        Measure("non_collision", NonCollisionRatio(bones, **protocol), _collide),
-        Measure("scene_frechet", SceneFrechet(data.skeleton.root_index), _compare_in_scene),
+    return [
         Measure("foot_skate", FootSkate(feet, data.fps, **ankle), on_floor),
         Measure("foot_contact", FootContact(feet, data.fps, **ankle), on_floor),
         Measure("floor", FloorError(feet, **ankle), on_floor),
     ]
-    if len(set(data.cache.scene[rows].tolist())) > 1:
-        measures.append(Measure("collisions", SceneAwareness(bones, **protocol), _collide_elsewhere))
-    if len(rows) and data.geometry(int(data.cache.scene[rows[0]])) is not None:
-        measures.append(Measure("penetration", Penetration(bones, data.skeleton.root_index, every=4), _penetrate))
-    return measures
 
 
 def _samples(metric: Any, judged: Judged) -> None:

@@ -140,3 +140,24 @@ def test_windows_without_depth_are_named(many):
     batch = next(iter(many.val_dataloader()))
     with pytest.raises(SagError, match="toy has no depth"):
         Scores(many, "test", None, Evaluation(samples=1)).update(batch, batch.motion.joints[:, None])
+
+
+class Hall:
+    """An empty hall whose floor lies at height 0."""
+
+    def signed_distance(self, points: np.ndarray) -> np.ndarray:
+        return np.full(points.shape[:-1], 9.0)
+
+    def floor_height(self, points: np.ndarray) -> np.ndarray:
+        return np.zeros(points.shape[:-1])
+
+
+def test_validation_measures_what_needs_no_cloud(many, encoders, monkeypatch):
+    names = set(Scores(many, "val", encoders, Evaluation()).sheet())
+    assert "motion_fid" in names and not names & {"floor", "penetration", "collisions", "non_collision"}
+    monkeypatch.setattr(many, "geometry", lambda room: Hall())
+    sheet = Scores(many, "val", encoders, Evaluation())
+    assert set(sheet.sheet()) == names | {"floor", "foot_skate", "foot_contact", "penetration"}
+    for batch in many.val_dataloader():
+        sheet.update(batch, made(batch))
+    assert sheet.compute()["penetration/share"] == 0
