@@ -111,7 +111,7 @@ def _of_batch(
 ) -> tuple[list[Tensor], Tensor]:
     """Roots (b, 5, 65, 3) of each run, and the end points (b, 3) that they share."""
     drawn = {
-        place: torch.stack([run.method.sample(on, generator).roots.cpu() for _ in range(samples)], dim=1)
+        place: torch.stack([motion.roots.cpu() for motion in run.method.samples(on, samples, generator)], dim=1)
         for place, (run, generator) in enumerate(zip(runs, generators))
         if not isinstance(run.method, TakesEnd)
         for on in [batch.to(run.method.device)]

@@ -56,6 +56,10 @@ class Method(pl.LightningModule):
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window; looks at the picture and frame 0, never at what comes after it."""
 
+    def samples(self, batch: Batch, count: int, generator: Generator | None = None) -> list[Motion]:
+        """So many motions for each window, as so many calls of `sample` make them; in one go where that is cheaper."""
+        return [self.sample(batch, generator) for _ in range(count)]
+
     @property
     def trained(self) -> bool:
         """Whether there is anything to sample from; methods that learn say when."""
@@ -183,7 +187,7 @@ class Method(pl.LightningModule):
 
     def _samples(self, batch: Batch, count: int) -> Tensor:
         """Motions for each window, (b, k, 65, j, 3), metres, camera frame of frame 0."""
-        return torch.stack([self.sample(batch, self.generator).joints for _ in range(count)], dim=1)
+        return torch.stack([motion.joints for motion in self.samples(batch, count, self.generator)], dim=1)
 
     def on_validation_epoch_end(self) -> None:
         """Logs `val/motion_fid/...` and the like."""

@@ -114,11 +114,11 @@ class SAG(WGAN):
         """The averaged sampler, if there is one."""
         return list(self.averaged)
 
-    def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
-        """One motion for each window, from the averaged generator where there is one."""
+    @property
+    def drawing(self) -> Sampler:
+        """The averaged sampler where there is one."""
         averages = self._averages()
-        sampler = averages[0].module if averages else self.sampler
-        return sampler(batch.scene, batch.motion, generator)
+        return averages[0].module if averages else self.sampler
 
     def predicted_depth(self, batch: Batch) -> Tensor | None:
         """Depth decoded from f, where D is on."""

@@ -80,6 +80,11 @@ class WGAN(Method):
         return bool(self.generator_steps > 0)
 
     @property
+    def drawing(self) -> Sampler:
+        """The sampler that motions are drawn from, once trained."""
+        return self.sampler
+
+    @property
     def judges(self) -> dict[str, Critic]:
         """The critics that train now; all of them unless a method trains in stages."""
         return dict(self.critics.items())
@@ -143,4 +148,8 @@ class WGAN(Method):
 
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window."""
-        return self.sampler(batch.scene, batch.motion, generator)
+        return self.drawing(batch.scene, batch.motion, generator)
+
+    def samples(self, batch: Batch, count: int, generator: Generator | None = None) -> list[Motion]:
+        """So many motions for each window, whose picture is looked at once."""
+        return self.drawing.several(batch.scene, batch.motion, count, generator)

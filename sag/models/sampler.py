@@ -31,5 +31,10 @@ class Sampler(nn.Module):
 
     def forward(self, scene: Scene, given: Motion, generator: Generator | None = None) -> Motion:
         """One motion for each window, 65 frames, the first as given."""
-        noise = self.generator.noise(len(given.start), generator)
-        return self.generator(self.condition(scene, given), given, noise)
+        return self.several(scene, given, 1, generator)[0]
+
+    def several(self, scene: Scene, given: Motion, count: int, generator: Generator | None = None) -> list[Motion]:
+        """So many motions for each window; the picture is looked at once."""
+        condition = self.condition(scene, given)
+        noises = (self.generator.noise(len(given.start), generator) for _ in range(count))
+        return [self.generator(condition, given, noise) for noise in noises]
