@@ -44,6 +44,8 @@ class Column:
         floor: the figure of real motion against real.
         paper: whether it shows the paper's figure.
         detail: how soon it goes where there is little room; 0 stays.
+        is_text: whether it names things, which stand to the left.
+        is_figure: whether its figures stand to the right although it is called by a letter.
     """
 
     group: Group
@@ -56,6 +58,8 @@ class Column:
     floor: str = ""
     paper: bool = False
     detail: int = 0
+    is_text: bool = False
+    is_figure: bool = False
 
     @property
     def label(self) -> str:
@@ -66,17 +70,17 @@ class Column:
     @property
     def alignment(self) -> Literal["left", "center", "right"]:
         """Names to the left, letters in the middle, numbers to the right."""
-        if self.heading == "row":
+        if self.heading == "row" or self.is_text:
             return "left"
-        return "center" if self.heading in LETTERS.values() else "right"
+        return "center" if self.heading in LETTERS.values() and not self.is_figure else "right"
 
     def written(self, figure: Figure) -> str:
-        """A figure as the table shows it: with the digits asked for, or three or so."""
+        """A figure as the table shows it, with the digits asked for, or three or so: mean ± half of its interval."""
         mean = figure.mean * self.factor
         digits = _digits(abs(mean)) if self.digits is None else self.digits
         mean = round(mean, digits) + 0.0  # never -0.000
-        deviation = "" if figure.deviation is None else f" ± {figure.deviation * self.factor:,.{digits}f}"
-        return f"{mean:,.{digits}f}{deviation}"
+        half = "" if figure.half_width is None else f" ± {figure.half_width * self.factor:,.{digits}f}"
+        return f"{mean:,.{digits}f}{half}"
 
 
 def _digits(size: float) -> int:

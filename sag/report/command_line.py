@@ -1,4 +1,4 @@
-"""`sag report DIR`: the rows of a folder as tables and a plot."""
+"""`sag report DIR`: the rows of a folder, or of several, as tables and plots."""
 
 from __future__ import annotations
 
@@ -6,24 +6,27 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib
 from rich.console import Console
 
-from sag.report.html import html
-from sag.report.latex import latex
+from sag.errors import SagError
+from sag.report.files import write_report
+from sag.report.keep import keep
 from sag.report.lines import Line, lines_of
-from sag.report.markdown import markdown
-from sag.report.paper import paper_figures
-from sag.report.plot import NO_METADATA, STYLE, plot_of, svg_of
-from sag.report.results import check_comparable, read_results
-from sag.report.spreadsheet import spreadsheet
-from sag.report.table import Report, report_of
+from sag.report.results import check_comparable
+from sag.report.sweeps import read_sweeps, sweep_names
 from sag.report.terminal import UNBOUNDED, show
 
 DESCRIPTION = """\
 Lays the rows of a folder side by side, the paper's figures beside them and figures of our own below:
 table.md, table.csv, table.tex, table.html, plot.png and plot.svg. Failed rows and NaN are shown as such;
-rows that were measured differently (data, N, encoders, skeleton, fps, samples) are refused."""
+rows that were measured differently (data, N, encoders, skeleton, fps, samples) are refused.
+
+Seeds give means with 95 % intervals, tests between neighbouring rows of the paper's Table 1, agreement with the
+paper's order, and what each letter changes (letters.png, letters.svg); statistics.csv has them all. Rows of several
+folders stand in one report; rows of one name are then called by their folder too.
+
+--keep copies figures, configs and states, small files without absolute paths, into a folder to be committed;
+the same command makes the same report of it, without checkpoints."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -31,8 +34,12 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog="sag report", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("folder", type=Path, metavar="DIR", help="folder that a sweep wrote, such as runs/ablation")
-    made.add_argument("--out", type=Path, metavar="DIR", help="folder for the tables (default: DIR)")
+    made.add_argument(
+        "folders", type=Path, nargs="+", metavar="DIR", help="folder that a sweep wrote, such as runs/ablation"
+    )
+    made.add_argument("--out", type=Path, metavar="DIR", help="folder for the report (default: DIR, if it is one)")
+    made.add_argument("--keep", type=Path, metavar="DIR", help="folder to keep the results in, such as results/table1")
+    made.add_argument("--overwrite", action="store_true", help="replace results that were kept there before")
     return made
 
 
@@ -40,37 +47,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Writes the report and returns the exit status 0.
 
     Raises:
-        SagError: no row has finished, a file is damaged, or rows cannot be compared.
+        SagError: no row has finished, a file is damaged, rows cannot be compared, or options contradict each other.
     """
     asked = parser().parse_args(arguments)
-    results = read_results(asked.folder)
-    check_comparable(results)
-    lines = lines_of(results)
-    title = f"{asked.folder.resolve().name.replace('_', ' ').capitalize()} on {_data(lines)}"
-    out = asked.out or asked.folder
-    report = write_report(lines, title, out)
+    _check_options(asked)
+    lines, title = _read(asked.folders)
+    if asked.keep:
+        keep(asked.folders[0], asked.keep, asked.overwrite)
+        write_report(*_read([asked.keep]), asked.keep)
+    out = asked.out or asked.folders[0]
+    report, names = write_report(lines, title, out)
     console = Console()
     show(report, console if console.is_terminal else Console(width=UNBOUNDED))
-    names = "table.md, .csv, .tex, .html; plot.png, .svg"
     console.print(f"\nreport: {out} ({names})", markup=False, highlight=False, soft_wrap=True)
+    if asked.keep:
+        console.print(f"kept: {asked.keep}", markup=False, highlight=False, soft_wrap=True)
     return 0
 
 
-def _data(lines: Sequence[Line]) -> str:
-    return next(str(line.finished[0].data.get("name")) for line in lines if line.finished)
+def _check_options(asked: argparse.Namespace) -> None:
+    if len(asked.folders) > 1 and asked.keep:
+        raise SagError("--keep takes one folder; keep each on its own, then report on the kept ones together")
+    if len(asked.folders) > 1 and not asked.out:
+        raise SagError("a report on several folders belongs to none of them; name its own by --out DIR")
+    if asked.overwrite and not asked.keep:
+        raise SagError("--overwrite is for --keep DIR; a report always replaces its own files")
 
 
-def write_report(lines: Sequence[Line], title: str, out: Path) -> Report:
-    """Writes all files to a folder and returns the report that Markdown and the terminal show."""
-    out.mkdir(parents=True, exist_ok=True)
-    paper = paper_figures(_data(lines))
-    report = report_of(title, lines)
-    plot = plot_of(lines, paper, title)
-    (out / "table.md").write_text(markdown(report), encoding="utf-8")
-    (out / "table.tex").write_text(latex(report), encoding="utf-8")
-    (out / "table.csv").write_text(spreadsheet(lines, paper), encoding="utf-8")
-    (out / "table.html").write_text(html(report_of(title, lines, whole=True), svg_of(plot)), encoding="utf-8")
-    with matplotlib.rc_context(STYLE):
-        plot.savefig(out / "plot.png", dpi=160)
-        plot.savefig(out / "plot.svg", metadata=NO_METADATA)
-    return report
+def _read(folders: Sequence[Path]) -> tuple[list[Line], str]:
+    """The lines of a report and its title."""
+    results = read_sweeps(folders)
+    check_comparable(results)
+    lines = lines_of(results)
+    names = " and ".join(name.replace("_", " ") for name in sweep_names(folders))
+    data = next(str(line.finished[0].data.get("name")) for line in lines if line.finished)
+    return lines, f"{names[:1].upper()}{names[1:].lower()} on {data}"

@@ -7,38 +7,62 @@ from collections.abc import Sequence
 
 from sag.report.lines import Line, twin_ratios
 from sag.report.paper import PaperFigures
-from sag.report.results import Result
+from sag.report.results import Result, few
 
 FEW_MOTIONS = 500
 """Motions below which a Frechet distance says more about N than about the motions."""
 
 
 def notices_of(lines: Sequence[Line], paper: PaperFigures) -> tuple[str, ...]:
-    """Failed rows, NaN, too few motions, what the data set says against itself, and who was pre-trained."""
+    """Failed rows, NaN, too few motions, unequal seeds or commits, the data's own notes, and who was pre-trained."""
     result = _any(lines)
     notices = []
     motions = int(result.protocol.get("motions", 0))
     if motions < FEW_MOTIONS:
         notices.append(f"N = {motions} is far too small for these figures to mean anything.")
     notices += [f"{str(note).rstrip('.')}." for note in result.data.get("notes", [])]
-    notices += _pretraining(lines, paper)
+    notices += _pretraining(lines, paper) + _unequal_seeds(lines) + _commits(lines)
     for line in lines:
         wrong = [name for name, figure in line.figures.items() if math.isnan(figure.mean)]
         if wrong:
-            notices.append(f"NaN in {line.name}: {', '.join(wrong)}.")
-        notices += [f"{r.name} {_has(r.state)}: {r.reason.rstrip('.')}." for r in line.unfinished]
+            notices.append(f"NaN in {line.label}: {', '.join(wrong)}.")
+        notices += [f"{r.label} {_has(r.state)}: {r.reason.rstrip('.')}." for r in line.unfinished]
     return tuple(notices)
 
 
 def _pretraining(lines: Sequence[Line], paper: PaperFigures) -> list[str]:
     """Which rows started in checkpoints of other data, where some or the paper's did."""
     trained = [line for line in lines if line.finished and line.finished[0].steps]
-    begun = [line.name for line in trained if any(result.pretrained for result in line.finished)]
+    begun = [line.label for line in trained if any(result.pretrained for result in line.finished)]
     if begun and len(begun) < len(trained):
         return [f"Only {', '.join(begun)} started in checkpoints of other data; the other rows started anew."]
     if trained and not begun and paper.pretrained:
         return [f"No row was pre-trained; the paper's rows on {paper.source} were, on GTA-IM."]
     return []
+
+
+def _unequal_seeds(lines: Sequence[Line]) -> list[str]:
+    """Which rows have which seeds, where some that train have others."""
+    rows: dict[tuple[int, ...], list[str]] = {}
+    for line in lines:
+        if line.kind != "truth" and line.finished:
+            seeds = tuple(sorted(result.seed for result in line.finished if result.seed is not None))
+            rows.setdefault(seeds, []).append(line.label)
+    if len(rows) < 2:
+        return []
+    listed = "; ".join(f"{', '.join(map(str, seeds)) or 'none'} in {few(names)}" for seeds, names in rows.items())
+    return [f"Rows have unequal seeds: {listed}. Comparisons by seed use those that both rows have."]
+
+
+def _commits(lines: Sequence[Line]) -> list[str]:
+    """Which rows come from which commit, where there are several."""
+    rows: dict[str, list[str]] = {}
+    for line in lines:
+        for result in line.finished:
+            rows.setdefault(str(result.origin.get("commit") or "unknown"), []).append(result.label)
+    if len(rows) < 2:
+        return []
+    return [f"Rows come from different commits: {'; '.join(f'{c} in {few(names)}' for c, names in rows.items())}."]
 
 
 def _has(state: str) -> str:
@@ -125,4 +149,4 @@ def _seeds(lines: Sequence[Line]) -> str:
     if not counts or counts[-1] == 1:
         return listed
     several = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    return f"{listed}; figures are mean ± standard deviation over n = {several} runs of a row"
+    return f"{listed}; figures are mean ± half of the 95 % t-interval over n = {several} runs of a row"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from html import escape
 from itertools import groupby
@@ -40,6 +41,7 @@ td small { display: block; font-size: .85em; font-weight: 400; line-height: 1.1;
 tbody + tbody tr:first-child td { border-top: 2px solid var(--line); }
 tbody tr:nth-child(even), tbody tr:nth-child(even) td.left { background: var(--stripe); }
 td.best { color: var(--good); font-weight: 700; }
+td.worse { color: var(--bad); font-weight: 700; }
 td.bad { color: var(--bad); background: var(--bad-back); font-weight: 700; }
 td.paper { color: var(--soft); }
 figure { margin: 0; padding: 1rem; min-width: 720px; }
@@ -56,17 +58,19 @@ SHORT = 9
 NO_BREAK = "&nbsp;"
 
 
-def html(report: Report, plot: str) -> str:
+def html(report: Report, plot: str, further_plots: Sequence[str] = ()) -> str:
     """The page.
 
     Args:
         report: with all of the paper's cells.
-        plot: an SVG element drawn in `currentColor`.
+        plot: an SVG element drawn in `currentColor`, for below the first table.
+        further_plots: more of them, for below the last.
     """
     notices = "\n".join(f'<p class="notice">{escape(notice)}</p>' for notice in report.notices)
     facts = "\n".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in report.facts)
     title = escape(report.title)
     first, *further = map(_section, report.tables)
+    further += map(_drawing, further_plots)
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -79,7 +83,7 @@ def html(report: Report, plot: str) -> str:
 <h1>{title}</h1>
 {notices}
 {first}
-<div class="card"><figure>{plot}</figure></div>
+{_drawing(plot)}
 {"".join(further)}
 <div class="card"><dl>
 {facts}
@@ -87,6 +91,10 @@ def html(report: Report, plot: str) -> str:
 </main></body>
 </html>
 """
+
+
+def _drawing(plot: str) -> str:
+    return f'<div class="card"><figure>{plot}</figure></div>\n'
 
 
 def _section(table: Table) -> str:
@@ -128,6 +136,5 @@ def _bodies(table: Table) -> str:
 
 
 def _text(cell: Cell) -> str:
-    """A deviation stands below its mean, so that wide tables stay readable."""
-    mean, sign, deviation = escape(cell.text).partition(" ± ")
-    return f"{mean}<small>± {deviation}</small>" if sign else mean
+    """An interval stands below its mean, so that wide tables stay readable."""
+    return re.sub(r" (±.*|\[.*\])$", r"<small>\1</small>", escape(cell.text))

@@ -13,6 +13,7 @@ SPECIAL = {
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$", "↓": r"$\downarrow$", "↑": r"$\uparrow$",
     MARK: r"\checkmark", NONE: "--", "<": r"$<$", ">": r"$>$",
     "∞": r"$\infty$", "δ": r"$\delta$", "₁": "$_1$", "×": r"$\times$", "²": "$^2$", "³": "$^3$", "é": r"\'e",
+    "→": r"$\to$", "τ": r"$\tau$",
 }  # fmt: skip
 """Characters that LaTeX reads otherwise, or not at all."""
 
@@ -66,7 +67,7 @@ def _headings(columns: Sequence[Column]) -> list[str]:
 
 def _text(cell: Cell) -> str:
     text = escaped(cell.text)
-    return f"\\textbf{{{text}}}" if cell.look in ("best", "bad") else text
+    return f"\\textbf{{{text}}}" if cell.look in ("best", "worse", "bad") else text
 
 
 def escaped(text: str) -> str:

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 from sag.errors import SagError
 from sag.letters import LETTERS, row_name
 from sag.report.results import BLIND, GROUND_TRUTH, PREPARATIONS, Result
+from sag.report.statistics import half_width
 
 Kind = Literal["without", "with", "blind", "method", "truth"]
 """What a row is: of the ablation without M or with it, blind to the scene, another method, ground truth; in order."""
@@ -40,6 +41,11 @@ class Figure:
             return cls(math.nan, None, len(values))
         return cls(statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None, len(values))
 
+    @property
+    def half_width(self) -> float | None:
+        """Half of the 95 % t-interval of the mean over seeds, or None for one seed."""
+        return None if self.deviation is None else half_width(self.deviation, self.count)
+
 
 @dataclass(frozen=True)
 class Line:
@@ -50,12 +56,19 @@ class Line:
         components: component to on or off; None for a method without.
         results: its runs, one for each seed.
         figures: those that all of its finished runs have.
+        sweep: where it comes from, if rows of several sweeps stand in one report and share names.
     """
 
     name: str
     components: dict[str, bool] | None
     results: tuple[Result, ...]
     figures: dict[str, Figure]
+    sweep: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name, with its sweep where that is needed to tell rows apart."""
+        return f"{self.name} ({self.sweep})" if self.sweep else self.name
 
     @property
     def finished(self) -> list[Result]:
@@ -83,9 +96,18 @@ class Line:
         return self.kind in ("without", "with")
 
     @property
+    def is_plain(self) -> bool:
+        """Whether its components are all that its name says, so that it is no variant of a row."""
+        return self.components is not None and self.name == row_name(self.components)
+
+    @property
     def paper_row(self) -> str:
         """What `sag.report.paper` calls this row."""
-        return row_name(self.components) if self.components and self.name == row_name(self.components) else self.name
+        return self.name
+
+    def values(self, metric: str) -> dict[int, float]:
+        """The figure of each seed that has it."""
+        return {r.seed: r.metrics[metric] for r in self.finished if r.seed is not None and metric in r.metrics}
 
     @property
     def minutes(self) -> float | None:
@@ -96,14 +118,19 @@ class Line:
 
 def lines_of(results: Sequence[Result]) -> list[Line]:
     """The lines of a table: rows without M, rows with M, blind ones, other methods, ground truth."""
-    groups: dict[str, list[Result]] = {}
+    groups: dict[tuple[str, str], list[Result]] = {}
     for result in results:
         if result.name not in PREPARATIONS:
-            groups.setdefault(SEED.sub("", result.name), []).append(result)
-    return sorted((_line(name, group) for name, group in groups.items()), key=_order)
+            groups.setdefault((without_seed(result.name), result.sweep), []).append(result)
+    return sorted((_line(name, sweep, group) for (name, sweep), group in groups.items()), key=_order)
 
 
-def _line(name: str, results: Sequence[Result]) -> Line:
+def without_seed(name: str) -> str:
+    """The name of a run's row."""
+    return SEED.sub("", name)
+
+
+def _line(name: str, sweep: str, results: Sequence[Result]) -> Line:
     finished = [result for result in results if result.finished]
     seeds = [result.seed for result in finished]
     if len(set(seeds)) < len(seeds):
@@ -112,23 +139,23 @@ def _line(name: str, results: Sequence[Result]) -> Line:
     measured = [name for name in (finished[0].metrics if finished else ()) if all(name in r.metrics for r in finished)]
     figures = {name: Figure.of([result.metrics[name] for result in finished]) for name in measured}
     components = next((r.components for r in [*finished, *results] if r.components), None)
-    return Line(name, components, tuple(results), figures)
+    return Line(name, components, tuple(results), figures, sweep)
 
 
-def _order(line: Line) -> tuple[int, int, int, str]:
+def _order(line: Line) -> tuple[int, int, int, str, str]:
     """By kind; then by how many components are on, in the order of the letters."""
     on = [bool(line.in_ablation and line.components and line.components.get(name)) for name in LETTERS]
     rank = sum(2**place for place, is_on in enumerate(on) if is_on)
-    return (get_args(Kind).index(line.kind), sum(on), rank, line.name)
+    return (get_args(Kind).index(line.kind), sum(on), rank, line.name, line.sweep)
 
 
 def twin_ratios(lines: Sequence[Line], metric: str = "motion_fid/average") -> dict[str, float]:
     """How many times larger a figure is without M than in the twin with M, by `name / twin`."""
-    means = {line.paper_row: line.figures[metric].mean for line in lines if line.in_ablation and metric in line.figures}
+    rows = {(line.name, line.sweep): line for line in lines if line.in_ablation and metric in line.figures}
     ratios = {}
-    for line in lines:
-        if line.components and line.kind == "without" and line.paper_row in means:
-            twin = row_name({**line.components, "separate": True})
-            if means.get(twin):
-                ratios[f"{line.name} / {twin}"] = means[line.paper_row] / means[twin]
+    for line in rows.values():
+        if line.components and line.kind == "without":
+            twin = rows.get((row_name({**line.components, "separate": True}), line.sweep))
+            if twin and twin.figures[metric].mean:
+                ratios[f"{line.label} / {twin.label}"] = line.figures[metric].mean / twin.figures[metric].mean
     return ratios

@@ -33,7 +33,7 @@ def _grid(table: Table) -> str:
 
 def _text(cell: Cell) -> str:
     text = cell.text.replace("|", r"\|")
-    return f"**{text}**" if cell.look in ("best", "bad") else text
+    return f"**{text}**" if cell.look in ("best", "worse", "bad") else text
 
 
 def _rule(before: str, after: str, width: int) -> str:

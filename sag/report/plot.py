@@ -64,7 +64,7 @@ def plot_of(lines: Sequence[Line], paper: PaperFigures, title: str) -> Any:
 
 
 def _panel(axes: Any, lines: Sequence[Line], paper: PaperFigures, metric: str) -> None:
-    """A dot for ours with its deviation, a diamond for the paper's, a cross where a figure is missing."""
+    """A dot for ours with its interval and small ones for its seeds, a diamond for the paper's, or what is missing."""
     for place, line in enumerate(lines):
         axes.axhline(place, color=GRID, alpha=0.25, linewidth=0.8, zorder=0)
         printed = paper.cells(line.paper_row).get(metric)
@@ -82,16 +82,16 @@ def _panel(axes: Any, lines: Sequence[Line], paper: PaperFigures, metric: str) -
                 ha="center",
             )
             continue
-        axes.errorbar(
-            figure.mean,
-            place,
-            xerr=figure.deviation,
-            fmt="o",
-            markersize=8,
-            color=COLOURS[line.kind],
-            capsize=3,
-            zorder=3,
-        )
+        _dots(axes, place, line, metric, figure)
+
+
+def _dots(axes: Any, place: int, line: Line, metric: str, figure: Figure) -> None:
+    """The mean, its interval, and where there are several seeds each of them."""
+    colour = COLOURS[line.kind]
+    axes.errorbar(figure.mean, place, xerr=figure.half_width, fmt="o", markersize=8, color=colour, capsize=3, zorder=3)
+    if figure.count > 1:
+        seeds = list(line.values(metric).values())
+        axes.plot(seeds, [place + 0.25] * len(seeds), "o", markersize=3.5, color=colour, alpha=0.6, zorder=2)
 
 
 def _missing(line: Line, figure: Figure | None) -> str:
@@ -115,7 +115,7 @@ def _reference(axes: Any, truth: Line, metric: str, text: str) -> None:
 
 def _label(line: Line) -> str:
     letters = line.in_ablation and line.components and any(line.components.values())
-    return line.name.upper() if letters and line.name == line.paper_row else line.name.replace("_", " ")
+    return line.name.upper() if letters and line.is_plain and not line.sweep else line.label.replace("_", " ")
 
 
 def _rows(axes: Any, lines: Sequence[Line]) -> None:

@@ -40,6 +40,7 @@ class Result:
         parameters: numbers that were trained.
         origin: versions and commit.
         pretrained: checkpoint of other data in which training started, if it did.
+        sweep: where it comes from, if runs of several sweeps stand in one report and share names.
     """
 
     name: str
@@ -56,6 +57,12 @@ class Result:
     parameters: int = 0
     origin: dict[str, Any] = field(default_factory=dict)
     pretrained: str | None = None
+    sweep: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name, with its sweep where that is needed to tell runs apart."""
+        return f"{self.name} ({self.sweep})" if self.sweep else self.name
 
     @property
     def finished(self) -> bool:
@@ -71,19 +78,23 @@ def read_results(folder: Path) -> list[Result]:
     """
     if not folder.is_dir():
         raise SagError(f"{folder} is no folder; give the one that a sweep wrote, such as runs/ablation")
-    runs = sorted({path.parent for name in ("metrics.json", "status.json") for path in folder.glob(f"*/{name}")})
-    results = [result for run in runs if (result := _read(run))]
+    results = [result for run in run_folders(folder) if (result := _read(run))]
     if not any(result.finished for result in results):
         tried = f"; {results[0].name}: {results[0].reason}" if results else ""
         raise SagError(f"{folder} holds no finished row (<row>/metrics.json); run `sag sweep` first{tried}")
     return results
 
 
+def run_folders(folder: Path) -> list[Path]:
+    """The folders of all runs in a sweep's folder, finished or not."""
+    return sorted({path.parent for name in ("metrics.json", "status.json") for path in folder.glob(f"*/{name}")})
+
+
 def _read(run: Path) -> Result | None:
-    status = _json(run / "status.json") if (run / "status.json").is_file() else {"state": "finished"}
+    status = read_json(run / "status.json") if (run / "status.json").is_file() else {"state": "finished"}
     state = str(status.get("state"))
     if state == "finished" and (run / "metrics.json").is_file():
-        return _finished(run.name, _json(run / "metrics.json"), run / "metrics.json")
+        return _finished(run.name, read_json(run / "metrics.json"), run / "metrics.json")
     if state == "finished" and run.name in PREPARATIONS:
         return None
     reason = status.get("reason") or ("it left no metrics.json" if state == "finished" else "no figures yet")
@@ -113,7 +124,12 @@ def _finished(name: str, content: dict[str, Any], path: Path) -> Result:
         ) from error
 
 
-def _json(path: Path) -> dict[str, Any]:
+def read_json(path: Path) -> dict[str, Any]:
+    """What a run's JSON file holds.
+
+    Raises:
+        SagError: it cannot be read.
+    """
     try:
         return dict(json.loads(path.read_text()))
     except (OSError, ValueError, TypeError) as error:
@@ -145,12 +161,13 @@ def check_comparable(results: Sequence[Result]) -> None:
     for name, condition in CONDITIONS.items():
         rows: dict[str, list[str]] = {}
         for result in finished:
-            rows.setdefault(str(condition(result)), []).append(result.name)
+            rows.setdefault(str(condition(result)), []).append(result.label)
         if len(rows) > 1:
-            differing.append(f"{name} ({'; '.join(f'{value} in {_few(names)}' for value, names in rows.items())})")
+            differing.append(f"{name} ({'; '.join(f'{value} in {few(names)}' for value, names in rows.items())})")
     if differing:
         raise SagError(f"these rows cannot stand in one table, they differ in {', '.join(differing)}: run them alike")
 
 
-def _few(names: Sequence[str]) -> str:
+def few(names: Sequence[str]) -> str:
+    """All names where they are few, or the first and how many others."""
     return ", ".join(names) if len(names) <= 3 else f"{names[0]} and {len(names) - 1} others"

@@ -17,7 +17,9 @@ OUR_METRICS = tuple(column.metric for section in (SEES_MORE, COMPANIONS) for col
 
 
 def spreadsheet(lines: Sequence[Line], paper: PaperFigures) -> str:
-    """One line for each row: state, letters as 0 or 1, mean and deviation of every figure, the paper's cells, effort.
+    """One line for each row: state, letters as 0 or 1, every figure, the paper's cells, effort.
+
+    A figure is its mean over seeds, `/deviation` their standard deviation, `/half` half of the mean's 95 % t-interval.
 
     Figures stand in their own units (metres, seconds, shares of 1). A cell is empty where there is nothing to say; NaN
     is written as `nan`.
@@ -36,15 +38,16 @@ def spreadsheet(lines: Sequence[Line], paper: PaperFigures) -> str:
 def _row(line: Line, metrics: Sequence[str], paper: PaperFigures) -> dict[str, object]:
     finished, unfinished = line.finished, line.unfinished
     components = line.components
-    row: dict[str, object] = {"row": line.name, "method": finished[0].method if finished else ""}
+    row: dict[str, object] = {"row": line.label, "method": finished[0].method if finished else ""}
     row |= {letter: int(components[name]) if components else "" for name, letter in LETTERS.items()}
     row["state"] = "finished" if finished else unfinished[0].state
-    row["reason"] = "; ".join(f"{result.name}: {result.reason}" for result in unfinished)
+    row["reason"] = "; ".join(f"{result.label}: {result.reason}" for result in unfinished)
     row |= {"n": len(finished), "seeds": " ".join(str(result.seed) for result in finished)}
     for name in metrics:
         figure = line.figures.get(name)
         row[name] = "" if figure is None else repr(figure.mean)
-        row[f"{name}/deviation"] = "" if figure is None or figure.deviation is None else repr(figure.deviation)
+        spread = (None, None) if figure is None else (figure.deviation, figure.half_width)
+        row |= {f"{name}/{kind}": "" if v is None else repr(v) for kind, v in zip(("deviation", "half"), spread)}
     printed = paper.cells(line.paper_row)
     row |= {f"paper/{name}": printed.get(name, "") for name in PAPER_METRICS}
     row["steps"] = max((result.steps for result in finished), default="")

@@ -10,11 +10,12 @@ from typing import Literal
 from sag.letters import LETTERS
 from sag.report.columns import ALONE, Column
 from sag.report.facts import facts_of, notices_of
-from sag.report.lines import Figure, Kind, Line
+from sag.report.lines import Figure, Line
 from sag.report.paper import PaperFigures, paper_figures
 from sag.report.sections import COMPANIONS, SEES_MORE, Section, paper_section
 
-Look = Literal["plain", "best", "bad", "paper", "label"]
+Look = Literal["plain", "best", "worse", "bad", "paper", "label"]
+"""`best` is the best row, or a change to the better beyond chance; `worse` one to the worse; `bad` is missing."""
 
 MARK = "✓"
 NONE = "–"
@@ -34,7 +35,7 @@ class Cell:
 class TableRow:
     """A row of cells; rows of one kind stand together."""
 
-    kind: Kind
+    kind: str
     cells: tuple[Cell, ...]
 
 
@@ -146,7 +147,7 @@ def _floor(line: Line, columns: Sequence[Column]) -> TableRow:
 
 def _name(line: Line) -> str:
     blind = ": scene feature zeroed" if line.kind == "blind" else ""
-    return line.name.replace("_", " ") + blind
+    return line.label.replace("_", " ") + blind
 
 
 def _letter(component: str) -> Callable[[Line], str]:

@@ -12,7 +12,14 @@ from rich.text import Text
 
 from sag.report.table import Report, Table, TableRow
 
-STYLES = {"plain": "", "best": "bold green", "bad": "bold white on red", "paper": "dim", "label": "bold"}
+STYLES = {
+    "plain": "",
+    "best": "bold green",
+    "worse": "bold red",
+    "bad": "bold white on red",
+    "paper": "dim",
+    "label": "bold",
+}
 
 UNBOUNDED = 1000
 """Columns of text where there is no terminal: no table is that wide."""

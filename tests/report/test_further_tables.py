@@ -6,7 +6,7 @@ import re
 import pytest
 from rich.console import Console
 
-from sag.report import main
+from sag.report import agreement, letters, main
 from sag.report.columns import Column, Group
 from sag.report.facts import WHAT_BLIND_IS
 from sag.report.lines import Figure, lines_of, twin_ratios
@@ -16,6 +16,8 @@ from sag.report.table import report_of
 from sag.report.terminal import show
 
 TITLES = [section.title for section in (SEES_MORE, COMPANIONS)]
+EVIDENCE = [agreement.TITLE, letters.OWN_TITLE, letters.MAIN_TITLE, letters.TOGETHER_TITLE]
+"""What one seed of all 16 rows gives: nothing is paired."""
 
 
 def tables(runs, whole=False):
@@ -148,7 +150,7 @@ def test_blind_rows_of_several_settings_and_seeds(runs):
 def test_latex_has_a_whole_table_for_each(measured):
     assert main([str(measured.folder)]) == 0
     text = (measured.folder / "table.tex").read_text()
-    assert text.isascii() and text.count(r"\begin{table*}") == text.count(r"\end{table*}") == 3
+    assert text.isascii() and text.count(r"\begin{table*}") == text.count(r"\end{table*}") == 3 + len(EVIDENCE)
     assert text.count("Seeds:") == 1, "facts are said once"
     for table in text.split(r"\begin{tabular}")[1:]:
         columns = re.match(r"\{([lcr]+)\}", table)[1]
@@ -159,9 +161,9 @@ def test_latex_has_a_whole_table_for_each(measured):
 def test_markdown_and_html_have_every_table(measured):
     assert main([str(measured.folder)]) == 0
     text, page = ((measured.folder / name).read_text() for name in ("table.md", "table.html"))
-    assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == TITLES
+    assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == [*TITLES, *EVIDENCE]
     assert "| Fréchet velocity ↓ |" in text and "| pose (mm) 0.5 s ↓ |" in text
-    assert page.count("<table>") == 3 and page.count("<h2>") == 2
+    assert page.count("<table>") == page.count("<h2>") + 1 == 3 + len(EVIDENCE)
 
 
 def test_csv_keeps_our_figures_in_their_own_units(measured):
@@ -197,5 +199,5 @@ def test_figures_have_about_three_digits(value, text):
     assert Column(Group(), "x").written(Figure(value)) == text
 
 
-def test_a_deviation_has_the_unit_and_the_digits_of_its_mean():
-    assert Column(Group(), "x mm", factor=1000, digits=1).written(Figure(0.0123, 0.0011, 3)) == "12.3 ± 1.1"
+def test_an_interval_has_the_unit_and_the_digits_of_its_mean():
+    assert Column(Group(), "x mm", factor=1000, digits=1).written(Figure(0.0123, 0.0011, 3)) == "12.3 ± 2.7"

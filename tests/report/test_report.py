@@ -12,7 +12,10 @@ from PIL import Image
 from sag.errors import SagError
 from sag.report import main
 
-FILES = {"table.md", "table.csv", "table.tex", "table.html", "plot.png", "plot.svg"}
+FILES = {
+    "table.md", "table.csv", "table.tex", "table.html", "plot.png", "plot.svg", "statistics.csv", "letters.png",
+    "letters.svg",
+}  # fmt: skip
 
 
 def report(runs, name="table.md"):
@@ -21,8 +24,8 @@ def report(runs, name="table.md"):
 
 
 def markdown_rows(text):
-    """Cells of every row of the table by its first cell."""
-    lines = [line.strip("| ").split("|") for line in text.splitlines() if line.startswith("|")]
+    """Cells of every row of the first table by its first cell."""
+    lines = [line.strip("| ").split("|") for line in text.partition("\n## ")[0].splitlines() if line.startswith("|")]
     cells = [[cell.strip() for cell in line] for line in lines]
     return {row[0]: row for row in (c + [""] * (len(cells[0]) - len(c)) for c in cells)}
 
@@ -60,7 +63,8 @@ def test_what_must_be_known_stands_below(whole):
         "e5c0de", "gta_im_19", "Seeds: 0", "torch 2.13.0", "commit b33a343", f"smallest {100 / 19.75:.2f}",
     ):  # fmt: skip
         assert fact in text
-    assert text.count(" / ") == 8, "eight pairs of twins"
+    ratios = next(line for line in text.splitlines() if line.startswith("- Motion FID without M"))
+    assert ratios.count(" / ") == 8, "eight pairs of twins"
 
 
 def test_failed_rows_and_nan_are_loud(runs):
@@ -109,14 +113,36 @@ def test_who_was_pretrained_is_said(runs):
     assert "Only" not in report(runs)
 
 
-def test_seeds_are_mean_deviation_and_n(runs):
+def test_seeds_are_mean_interval_and_n(runs):
     for seed, fid in enumerate((10.0, 14.0, 18.0)):
         runs.add(f"m-s{seed}", fid, seed=seed)
     text = report(runs)
     rows = markdown_rows(text)
     cells = dict(zip(rows["row"], rows["m"]))
-    assert cells["FID average"] == "**14.0 ± 4.0**" and cells["n"] == "3"
-    assert "Seeds: 0, 1, 2; figures are mean ± standard deviation over n = 3 runs" in text
+    half = 4.302653 * 4 / math.sqrt(3)
+    assert cells["FID average"] == f"**14.0 ± {half:.1f}**" and cells["n"] == "3"
+    assert "Seeds: 0, 1, 2; figures are mean ± half of the 95 % t-interval over n = 3 runs" in text
+    row = csv_rows(runs)["m"]
+    assert float(row["motion_fid/average/deviation"]) == 4.0
+    assert float(row["motion_fid/average/half"]) == pytest.approx(half, rel=1e-6)
+
+
+def test_one_seed_has_no_interval(runs):
+    runs.add("m", 10.0)
+    assert markdown_rows(report(runs))["m"][8] == "**10.0**"
+    row = csv_rows(runs)["m"]
+    assert row["motion_fid/average/deviation"] == row["motion_fid/average/half"] == ""
+
+
+def test_unequal_seeds_and_commits_are_said(runs):
+    for row in ("none", "m"):
+        for seed in (0, 1):
+            runs.add(f"{row}-s{seed}", seed=seed)
+    assert "Warning" not in report(runs)
+    runs.add("m-s2", seed=2, commit="0ther00")
+    text = report(runs)
+    assert "**Warning:** Rows have unequal seeds: 0, 1 in none; 0, 1, 2 in m." in text
+    assert "**Warning:** Rows come from different commits: b33a343 in none-s0 and 3 others; 0ther00 in m-s2." in text
 
 
 def test_csv_keeps_every_digit(whole):
@@ -145,8 +171,9 @@ def test_latex_is_whole(whole):
     bare = re.sub(r"\\.", "", text)
     assert bare.count("{") == bare.count("}")
     assert re.findall(r"\\begin\{(\w+\*?)\}", text) == re.findall(r"\\end\{(\w+\*?)\}", text)[::-1]
-    (alignment,) = re.findall(r"\\begin\{tabular\}\{([lcr]+)\}", text)
-    body = [line for line in text.splitlines() if line.endswith(r"\\")]
+    first = text.partition(r"\end{table*}")[0]
+    (alignment,) = re.findall(r"\\begin\{tabular\}\{([lcr]+)\}", first)
+    body = [line for line in first.splitlines() if line.endswith(r"\\")]
     spans = [sum(int(n) - 1 for n in re.findall(r"\\multicolumn\{(\d+)\}", line)) for line in body]
     counts = {len(re.findall(r"(?<!\\)&", line)) + 1 + span for line, span in zip(body, spans)}
     assert counts == {len(alignment)}
@@ -182,7 +209,7 @@ def test_html_is_whole_and_needs_nothing_else(whole):
     assert "<script>" not in text and "&lt;script&gt;" in text
     assert "currentColor" in text and "<svg" in text
     assert "125.6" in text, "all of the paper's cells"
-    rows = re.findall(r"<tr><td.*?</tr>", text)
+    rows = re.findall(r"<tr><td.*?</tr>", text.partition("</table>")[0])
     assert len(rows) == 18 and len({row.count("<td") for row in rows}) == 1
 
 
