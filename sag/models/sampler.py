@@ -5,6 +5,7 @@ from __future__ import annotations
 from torch import Generator, nn
 
 from sag.models.generators import MotionGenerator
+from sag.models.precision import full_precision
 from sag.models.scale import MotionScale
 from sag.models.scene_encoder import BlindEncoder, SceneEncoder
 from sag.types import Condition, Motion, Scene
@@ -32,4 +33,6 @@ class Sampler(nn.Module):
     def forward(self, scene: Scene, given: Motion, generator: Generator | None = None) -> Motion:
         """One motion for each window, 65 frames, the first as given."""
         noise = self.generator.noise(len(given.start), generator)
-        return self.generator(self.condition(scene, given), given, noise)
+        condition = self.condition(scene, given)
+        with full_precision(condition.feature):
+            return self.generator(condition, given, noise)
