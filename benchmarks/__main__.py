@@ -10,7 +10,16 @@ from pathlib import Path
 import torch
 from rich.console import Console
 
-from benchmarks import cache_reads, clip_features, collisions, evaluation, frechet
+from benchmarks import (
+    cache_reads,
+    clip_features,
+    collisions,
+    evaluation,
+    frechet,
+    sampling,
+    training_loop,
+    training_steps,
+)
 from benchmarks.claim import Claim, Say
 from benchmarks.report import show, write
 
@@ -23,6 +32,9 @@ BENCHMARKS: dict[str, Benchmark] = {
     "collisions": collisions.claims,
     "evaluation": evaluation.claims,
     "cache": cache_reads.claims,
+    "step": training_steps.claims,
+    "loop": training_loop.claims,
+    "sampling": sampling.claims,
 }
 
 

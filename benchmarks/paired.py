@@ -20,7 +20,7 @@ class Work:
     """
 
     run: Callable[[int], Any]
-    units: int = 1
+    units: float = 1
 
 
 @dataclass

@@ -35,7 +35,7 @@ def gradient_penalty(
     mixture = (share * real + (1 - share) * fake).detach().requires_grad_()
     (gradient,) = torch.autograd.grad(critic(mixture).sum(), mixture, create_graph=True)
     # A norm's own derivative is undefined at zero, and a dead critic has zero gradient.
-    norm = (gradient.flatten(axes).square().sum(dim=axes) + 1e-12).sqrt()
+    norm = (gradient.square().sum(dim=tuple(range(axes, gradient.dim()))) + 1e-12).sqrt()
     return (norm - target).square().mean()
 
 

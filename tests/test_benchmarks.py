@@ -3,14 +3,19 @@
 import json
 
 import pytest
+import torch
 
 from benchmarks.__main__ import BENCHMARKS, main
 from benchmarks.brute_force import NearBody, by_columns, by_numpy, by_torch
 from benchmarks.claim import Claim, faster
 from benchmarks.collisions import RADII, Furnished
+from benchmarks.flops import flops
 from benchmarks.known_sets import known_pairs
 from benchmarks.paired import Pairing, Work, paired
 from benchmarks.peers import _torchvision_or_stand_in
+from benchmarks.training_step import both_steps, windows
+from sag.components import Network
+from sag.types import Tensors
 
 
 def claim(found: float, asked: float | None, at_least: bool = True) -> Claim:
@@ -76,6 +81,38 @@ def test_known_pairs_have_the_moments_that_their_distance_rests_on():
         low = float(means) + (traces[0] ** 0.5 - traces[1] ** 0.5) ** 2
         assert low - 1e-9 <= distance <= float(means) + sum(traces) + 1e-9, name
         assert (distance < 1e-12) == (name == "identical")
+
+
+def doubled(tensors):
+    return tensors._map(lambda x: doubled(x) if isinstance(x, Tensors) else x.double() if x.is_floating_point() else x)
+
+
+def test_both_training_steps_are_the_same_step():
+    torch.set_default_dtype(torch.float64)
+    try:
+        batch = doubled(windows(2, (36, 64)))
+        steps = both_steps(Network(width=0.05, critic_norm="layer"), (36, 64), 2, batch.motion)
+        for step in steps:
+            torch.manual_seed(1)
+            step.double().whole(batch)
+    finally:
+        torch.set_default_dtype(torch.float32)
+    ours, plain = ([*step.critics.parameters(), *(p.grad for p in step.sampler.parameters())] for step in steps)
+    assert len(ours) == len(plain) > 150
+    for a, b in zip(ours, plain):
+        torch.testing.assert_close(a, b, rtol=1e-6, atol=1e-6)
+
+
+def test_arithmetic_of_a_penalty_is_counted():
+    weight, x = torch.randn(5, 3, requires_grad=True), torch.randn(7, 5, requires_grad=True)
+
+    def run(number):
+        (gradient,) = torch.autograd.grad((x @ weight).square().sum(), x, create_graph=True)
+        gradient.square().sum().backward()
+
+    product = 2 * 7 * 5 * 3
+    assert flops(Work(lambda number: x @ weight)) == product
+    assert flops(Work(run)) >= 4 * product
 
 
 def test_the_stand_in_leaves_nothing_behind():

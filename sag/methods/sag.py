@@ -20,6 +20,7 @@ from sag.components import (
 from sag.errors import SagError
 from sag.methods.base import Sample
 from sag.methods.wgan import WGAN, Recipe
+from sag.models.precision import full_precision
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
 from sag.scoring import Evaluation
@@ -98,12 +99,14 @@ class SAG(WGAN):
         generator_due = (place + 1) % self.critic_steps == 0
         with torch.set_grad_enabled(generator_due):
             condition = self.sampler.condition(batch.scene, batch.motion)
-            depth, losses = self.depth(condition.feature, batch.scene)
-            fake, _ = self.generate(condition, batch.motion)
-        seen = condition.detach()
-        self._train_critics(batch.motion, fake.detach(), seen, depth)
-        if generator_due:
-            self._train_generator(fake, seen, depth, losses)
+        with full_precision(condition.feature):
+            with torch.set_grad_enabled(generator_due):
+                depth, losses = self.depth(condition.feature, batch.scene)
+                fake, _ = self.generate(condition, batch.motion)
+            seen = condition.detach()
+            self._train_critics(batch.motion, fake.detach(), seen, depth)
+            if generator_due:
+                self._train_generator(fake, seen, depth, losses)
 
     def _train_generator(self, fake: Motion, condition: Condition, scene: DepthMap, losses: dict[str, Tensor]) -> None:
         super()._train_generator(fake, condition, scene, losses)

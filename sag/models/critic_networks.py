@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import torch
 import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
 from sag.models.graph import SLOPE, GraphBlock, GraphConv, Norm, normalization
+from sag.models.pooled import PooledConv1d, PooledConv2d
+from sag.models.temporal import TemporalBlock, TemporalConv
 from sag.skeleton import Skeleton
 
 LEVELS = (0, 1, 1, 2, 2, 3)
@@ -39,7 +40,7 @@ class GraphCriticNetwork(nn.Module):
             GraphBlock(GraphConv(channels[i], channels[i + 1], levels[i], levels[i + 1], strides[i], paddings[i]), norm)
             for i in range(len(blocks))
         )
-        self.out = nn.Conv1d(channels[-1], channels[-1], 1)
+        self.out = PooledConv1d(channels[-1], channels[-1], 1)
         self.score = nn.Linear(channels[-1], 1)
 
     def forward(self, x: Float[Tensor, "b j c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
@@ -47,8 +48,7 @@ class GraphCriticNetwork(nn.Module):
         x = self.blocks[0](x, condition)
         for block in self.blocks[1:]:
             x = block(x)
-        pooled = self.out(F.leaky_relu(x[:, 0], SLOPE)).mean(dim=-1)
-        return self.score(pooled)[:, 0]
+        return self.score(self.out(F.leaky_relu(x[:, 0], SLOPE)))[:, 0]
 
 
 class TrajectoryCriticNetwork(nn.Module):
@@ -64,22 +64,22 @@ class TrajectoryCriticNetwork(nn.Module):
         super().__init__()
         channels = (in_channels, *blocks)
         self.blocks = nn.ModuleList(
-            nn.Sequential(
+            TemporalBlock(
                 nn.LeakyReLU(SLOPE),
-                nn.Conv1d(channels[i], channels[i + 1], 3, stride=1 if i == 0 else 2, padding=1),
+                TemporalConv(channels[i], channels[i + 1], stride=1 if i == 0 else 2),
                 normalization(norm, channels[i + 1]),
             )
             for i in range(len(blocks))
         )
-        self.out = nn.Conv1d(channels[-1], channels[-1], 1)
+        self.out = PooledConv1d(channels[-1], channels[-1], 1)
         self.score = nn.Linear(channels[-1], 1)
 
     def forward(self, x: Float[Tensor, "b c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
         """Scores, higher for what looks real; the condition stands beside every frame."""
-        x = torch.cat([x, condition[:, :, None].expand(-1, -1, x.shape[-1])], dim=1)
-        for block in self.blocks:
+        x = self.blocks[0](x, condition)
+        for block in self.blocks[1:]:
             x = block(x)
-        return self.score(self.out(F.leaky_relu(x, SLOPE)).mean(dim=-1))[:, 0]
+        return self.score(self.out(F.leaky_relu(x, SLOPE)))[:, 0]
 
 
 class ContextCriticNetwork(nn.Module):
@@ -102,16 +102,18 @@ class ContextCriticNetwork(nn.Module):
             )
             for i in range(len(blocks) - 1)
         )
-        self.out = nn.Conv2d(channels[-2], channels[-1], 3, padding=1)
+        self.out = PooledConv2d(channels[-2], channels[-1], 3, padding=1)
         self.score = nn.Linear(channels[-1], 1)
 
     def forward(self, x: Float[Tensor, "b n h w"]) -> Float[Tensor, " b"]:
         """Scores, higher for what looks real."""
         for block in self.blocks:
             x = block(x)
-        return self.score(self.out(F.leaky_relu(x, SLOPE)).mean(dim=(-2, -1)))[:, 0]
+        return self.score(self.out(F.leaky_relu(x, SLOPE)))[:, 0]
 
 
 def _planar(norm: Norm, channels: int) -> nn.Module:
-    """The norm of a picture: batch norm has a class of its own for it."""
-    return nn.BatchNorm2d(channels) if norm == "batch" else normalization(norm, channels)
+    """The norm of a picture."""
+    if norm == "batch":
+        return nn.BatchNorm2d(channels)
+    return nn.GroupNorm(1, channels) if norm == "layer" else nn.Identity()

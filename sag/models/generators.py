@@ -12,6 +12,7 @@ from torch import Generator, Tensor, nn
 from sag.models.graph import SLOPE, GraphBlock, GraphConv
 from sag.models.noise import LATENT_STEPS, GaussianProcess, Kernel
 from sag.models.scale import MotionScale
+from sag.models.temporal import BatchNorm, Doubling, TemporalBlock, TemporalConv
 from sag.skeleton import Skeleton
 from sag.types import GENERATED, Condition, Motion
 
@@ -36,12 +37,6 @@ class GeneratorSizes:
     blocks: tuple[int, ...] = (512, 256, 128, 64, 32)
 
 
-def beside_noise(noise: Float[Tensor, "b n s"], *conditions: Float[Tensor, "b _"]) -> Float[Tensor, "b c s"]:
-    """Conditions repeated over the latent frames and set beside the noise (row In of Tables 6 and 7)."""
-    repeated = [c[:, :, None].expand(-1, -1, noise.shape[-1]) for c in conditions]
-    return torch.cat([noise, *repeated], dim=1)
-
-
 class TrajectoryNetwork(nn.Module):
     """Table 6: noise, scene feature and initial pose become 64 velocities in [-1, 1].
 
@@ -54,17 +49,20 @@ class TrajectoryNetwork(nn.Module):
         super().__init__()
         channels = (in_channels, *blocks)
         self.blocks = nn.ModuleList(self._block(channels[i], channels[i + 1], first=i == 0) for i in range(len(blocks)))
-        self.out = nn.Conv1d(channels[-1], 3, 3, padding=1)
+        self.out = TemporalConv(channels[-1], 3)
 
     @staticmethod
-    def _block(in_channels: int, out_channels: int, first: bool) -> nn.Sequential:
-        conv = nn.Conv1d(in_channels, out_channels, 3, padding=0 if first else 1)
-        layers = [nn.LeakyReLU(SLOPE), conv, nn.BatchNorm1d(out_channels)]
-        return nn.Sequential(*layers, *([] if first else [nn.Upsample(scale_factor=2)]))
+    def _block(in_channels: int, out_channels: int, first: bool) -> TemporalBlock:
+        conv = TemporalConv(in_channels, out_channels, padding=0 if first else 1)
+        layers = [nn.LeakyReLU(SLOPE), conv, BatchNorm(out_channels)]
+        return TemporalBlock(*layers, *([] if first else [Doubling()]))
 
-    def forward(self, x: Float[Tensor, "b c 6"]) -> Float[Tensor, "b 3 64"]:
-        """tanh of the last convolution."""
-        for block in self.blocks:
+    def forward(
+        self, noise: Float[Tensor, "b n 6"], condition: Float[Tensor, "b e"] | None = None
+    ) -> Float[Tensor, "b 3 64"]:
+        """tanh of the last convolution; the condition stands beside the noise in every latent frame."""
+        x = self.blocks[0](noise, condition)
+        for block in self.blocks[1:]:
             x = block(x)
         return torch.tanh(self.out(F.leaky_relu(x, SLOPE)))
 
@@ -92,10 +90,12 @@ class PoseNetwork(nn.Module):
         )
         self.out = GraphConv(channels[-1], 3, levels[-1], levels[-1])
 
-    def forward(self, x: Float[Tensor, "b c 6"]) -> Float[Tensor, "b 64 j 3"]:
-        """tanh of the last convolution."""
-        x = x[:, None]
-        for block in self.blocks:
+    def forward(
+        self, noise: Float[Tensor, "b n 6"], condition: Float[Tensor, "b e"] | None = None
+    ) -> Float[Tensor, "b 64 j 3"]:
+        """tanh of the last convolution; the condition stands beside the noise in every latent frame."""
+        x = self.blocks[0](noise[:, None], condition)
+        for block in self.blocks[1:]:
             x = block(x)
         return torch.tanh(self.out(F.leaky_relu(x, SLOPE))).permute(0, 3, 1, 2)
 
@@ -139,10 +139,10 @@ class SeparateGenerator(MotionGenerator):
     def forward(self, condition: Condition, given: Motion, noise: tuple[Tensor, ...]) -> Motion:
         """R as the sum of V = alpha tanh(F), then P given R."""
         feature, initial = condition.feature, condition.initial_pose
-        unit = self.trajectory(beside_noise(noise[0], feature, initial))
+        unit = self.trajectory(noise[0], torch.cat([feature, initial], dim=1))
         trajectory = (self.scale.speed_limit * unit).cumsum(dim=-1).transpose(1, 2)
         seen = (trajectory / self.scale.trajectory_std).transpose(1, 2).flatten(1)
-        pose = self.scale.pose(self.pose(beside_noise(noise[1], feature, seen, initial)))
+        pose = self.scale.pose(self.pose(noise[1], torch.cat([feature, seen, initial], dim=1)))
         return given.first.continued(trajectory, pose)
 
 
@@ -169,7 +169,7 @@ class JointGenerator(MotionGenerator):
 
     def forward(self, condition: Condition, given: Motion, noise: tuple[Tensor, ...]) -> Motion:
         """X at once; R and P are read off it."""
-        x = self.motion(beside_noise(noise[0], condition.feature, condition.initial_pose))
+        x = self.motion(noise[0], torch.cat([condition.feature, condition.initial_pose], dim=1))
         joints = self.scale.motion(x)
         trajectory = joints[:, :, self.scale.root]
         return given.first.continued(trajectory, joints - trajectory[:, :, None])

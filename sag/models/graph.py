@@ -1,7 +1,7 @@
 """Spatio-temporal graph convolution between graph levels (Conv_st in Tables 7, 8 and 11).
 
-Tensors are laid out joints first, (b, v, c, t): one small product over the nodes and one convolution
-over time, without permutations.
+Tensors are (b, v, c, t) to whoever calls, but lie in memory as (v, b, t, c): nodes are mixed by one product of
+matrices and windows of time convolved by another, and nothing is ever transposed, in no derivative either.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.temporal import TAPS, BatchNorm, Doubling, LayerNorm, told, windows
 from sag.skeleton import Level
 
 Norm = Literal["batch", "layer", "none"]
@@ -28,10 +29,10 @@ every level, so from a symmetric start both sides of the body would move bit for
 
 
 def normalization(kind: Norm, channels: int) -> nn.Module:
-    """The norm after a convolution over (n, channels, ...): batch as in the paper, layer, or none."""
+    """The norm after a convolution over (n, channels, frames): batch as in the paper, layer, or none."""
     if kind == "batch":
-        return nn.BatchNorm1d(channels)
-    return nn.GroupNorm(1, channels) if kind == "layer" else nn.Identity()
+        return BatchNorm(channels)
+    return LayerNorm(channels) if kind == "layer" else nn.Identity()
 
 
 def partitions(source: Level, target: Level) -> Float[np.ndarray, "3 source target"]:
@@ -69,7 +70,8 @@ class GraphConv(nn.Module):
         spread = ASYMMETRY / math.sqrt(len(source.nodes))
         self.adjacency = nn.Parameter(start + spread * torch.randn_like(start))
         deviation = math.sqrt(2 / (len(start) * in_channels * 3))
-        self.weight = nn.Parameter(deviation * torch.randn(len(start), out_channels, in_channels, 3))
+        weight = deviation * torch.randn(len(start), out_channels, in_channels, TAPS)
+        self.weight = nn.Parameter(weight.permute(0, 3, 2, 1).contiguous().permute(0, 3, 2, 1))
         self.bias = nn.Parameter(torch.zeros(out_channels))
         self.stride, self.padding = stride, padding
 
@@ -78,39 +80,49 @@ class GraphConv(nn.Module):
     ) -> Float[Tensor, "b w d s"]:
         """Convolves the nodes' values, set beside a condition that is the same for all nodes and frames.
 
-        The condition's channels come last. Its share of the output differs only where the kernel meets the
-        padding, so three frames of it say all: first, middle and last.
+        The condition's channels come last.
         """
-        if condition is None:
-            return self._convolve(x, self.weight) + self.bias[:, None]
-        own = self.weight[:, :, : x.shape[2]]
-        constant = condition[:, None, :, None].expand(-1, x.shape[1], -1, 3)
-        first, middle, last = self._convolve(constant, self.weight[:, :, x.shape[2] :]).unbind(-1)
-        y = self._convolve(x, own)
-        shares = [first[..., None], middle[..., None].expand(*middle.shape, y.shape[-1] - 2), last[..., None]]
-        return y + torch.cat(shares, dim=-1) + self.bias[:, None]
+        own, frames = x.shape[2:]
+        weight = self.weight.permute(0, 3, 2, 1)
+        seen = windows(x.permute(1, 0, 3, 2), self.stride, self.padding)
+        y = self._convolve(seen, weight[:, :, :own].flatten(1, 2))
+        if condition is not None:
+            taps = self._taps(condition, weight[:, :, own:]).flatten(0, 1)
+            y = told(y.flatten(0, 1), taps, frames, self.stride, self.padding).view_as(y)
+        return y.permute(1, 0, 3, 2)
 
-    def _convolve(self, x: Tensor, weight: Tensor) -> Tensor:
-        """Aggregates over nodes first when the target level is the smaller one: the same sum, cheaper."""
+    def _convolve(self, seen: Float[Tensor, "v b s i"], weight: Float[Tensor, "k i d"]) -> Float[Tensor, "w b s d"]:
+        """Mixes nodes before or after the channels, and adds the bias."""
+        kernels, source, target = self.adjacency.shape
+        _, b, places, inputs = seen.shape
+        if self._mixes_first(inputs):
+            mixing = self.adjacency.transpose(1, 2).reshape(kernels * target, source)
+            mixed = torch.mm(mixing, seen.reshape(source, -1)).view(kernels, -1, inputs)
+            y: Tensor = self.bias
+            for part, channels in zip(mixed.unbind(), weight.unbind()):
+                y = torch.addmm(y, part, channels)
+            return y.view(target, b, places, -1)
+        channels = weight.transpose(0, 1).reshape(inputs, -1)
+        convolved = torch.mm(seen.reshape(-1, inputs), channels).view(source, b * places, kernels, -1)
+        mixing = self.adjacency.permute(2, 1, 0).reshape(target, source * kernels)
+        mixed = torch.mm(mixing, convolved.transpose(1, 2).reshape(source * kernels, -1))
+        return mixed.view(target, b, places, -1) + self.bias
+
+    def _mixes_first(self, inputs: int) -> bool:
+        """Whether mixing nodes before the channels takes less arithmetic; the sum is the same.
+
+        Args:
+            inputs: channels of a window.
+        """
         _, source, target = self.adjacency.shape
-        return self._aggregate_first(x, weight) if target <= source else self._convolve_first(x, weight)
+        outputs = len(self.bias)
+        return inputs * target * (source + outputs) <= source * outputs * (inputs + target)
 
-    def _aggregate_first(self, x: Tensor, weight: Tensor) -> Tensor:
-        kernels, nodes, target = self.adjacency.shape
-        b, _, c, t = x.shape
-        mixing = self.adjacency.permute(2, 0, 1).reshape(target * kernels, nodes)
-        mixed = torch.matmul(mixing, x.reshape(b, nodes, c * t)).view(b * target, kernels * c, t)
-        flat = weight.permute(1, 0, 2, 3).reshape(len(self.bias), kernels * c, 3)
-        return F.conv1d(mixed, flat, None, self.stride, self.padding).unflatten(0, (b, target))
-
-    def _convolve_first(self, x: Tensor, weight: Tensor) -> Tensor:
-        kernels, nodes, target = self.adjacency.shape
-        b, _, c, _ = x.shape
-        channels = len(self.bias)
-        flat = weight.reshape(kernels * channels, c, 3)
-        convolved = F.conv1d(x.flatten(0, 1), flat, None, self.stride, self.padding)
-        mixing = self.adjacency.permute(2, 1, 0).reshape(target, nodes * kernels)
-        return torch.matmul(mixing, convolved.reshape(b, nodes * kernels, -1)).view(b, target, channels, -1)
+    def _taps(self, condition: Float[Tensor, "b e"], weight: Float[Tensor, "k 3 e d"]) -> Float[Tensor, "w b 3 d"]:
+        """What each tap makes of the condition at each node: nodes differ by the sum of their weights alone."""
+        made = torch.matmul(condition, weight).transpose(1, 2)
+        mixed = torch.mm(self.adjacency.sum(dim=1).t(), made.flatten(1))
+        return mixed.view(-1, *made.shape[1:])
 
 
 class GraphBlock(nn.Module):
@@ -126,7 +138,7 @@ class GraphBlock(nn.Module):
         super().__init__()
         self.conv = conv
         self.norm = normalization(norm, len(conv.bias))
-        self.up = up
+        self.up = Doubling() if up else nn.Identity()
 
     def forward(
         self, x: Float[Tensor, "b v c t"], condition: Float[Tensor, "b e"] | None = None
@@ -134,5 +146,6 @@ class GraphBlock(nn.Module):
         """Convolves after the activation and normalises over all nodes alike."""
         told = None if condition is None else F.leaky_relu(condition, SLOPE)
         y = self.conv(F.leaky_relu(x, SLOPE), told)
-        y = self.norm(y.flatten(0, 1)).view_as(y)
-        return y.repeat_interleave(2, dim=-1) if self.up else y
+        by_node = y.transpose(0, 1)
+        y = self.norm(by_node.flatten(0, 1)).view_as(by_node).transpose(0, 1)
+        return self.up(y)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from torch import Generator, nn
 
 from sag.models.generators import MotionGenerator
+from sag.models.precision import full_precision
 from sag.models.scale import MotionScale
 from sag.models.scene_encoder import BlindEncoder, SceneEncoder
 from sag.types import Condition, Motion, Scene
@@ -37,4 +38,5 @@ class Sampler(nn.Module):
         """So many motions for each window; the picture is looked at once."""
         condition = self.condition(scene, given)
         noises = (self.generator.noise(len(given.start), generator) for _ in range(count))
-        return [self.generator(condition, given, noise) for noise in noises]
+        with full_precision(condition.feature):
+            return [self.generator(condition, given, noise) for noise in noises]

@@ -39,9 +39,9 @@ class SceneEncoder(nn.Module):
         self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
-        """f of pictures with colours in [0, 1]."""
+        """f of pictures with colours in [0, 1], in their precision, whatever the maps between had."""
         pixels = ((image - self.mean) / self.std).contiguous(memory_format=torch.channels_last)
-        return self.fc(F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1))
+        return self.fc(F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1)).to(image.dtype)
 
 
 class BlindEncoder(nn.Module):
@@ -90,6 +90,7 @@ class DepthDecoder(nn.Module):
     def forward(self, feature: Float[Tensor, "b f"]) -> Float[Tensor, "b h w"]:
         """Depth in metres, positive."""
         x = F.relu(self.fc(feature)).view(-1, self.channels, *self.sizes[0])
+        x = x.contiguous(memory_format=torch.channels_last)
         for block, size in zip(self.blocks, self.sizes[1:]):
             x = block(F.interpolate(x, size, mode="nearest"))
         metres = 4 * F.softplus(self.out(x))  # about 3 m at the start, so that crops see a room at once

@@ -41,6 +41,17 @@ def test_one_seed_gives_one_result(toy: ToyDataModule, tmp_path: Path, batch) ->
     assert torch.equal(*samples)
 
 
+def test_bfloat16_is_the_encoders_alone(toy: ToyDataModule, tmp_path: Path, batch) -> None:
+    made, seen = method(toy), {}
+    watched = {**made.critics, "encoder": made.sampler.encoder.resnet, "generator": made.sampler.generator.pose}
+    for name, module in watched.items():
+        module.register_forward_hook(lambda _, given, found, name=name: seen.setdefault(name, set()).add(found.dtype))
+    trainer(tmp_path, precision="bf16-mixed").fit(made, toy)
+    assert seen.pop("encoder") == {torch.bfloat16}
+    assert len(seen) == 5 and all(types == {torch.float32} for types in seen.values())
+    assert made.eval().sample(batch).joints.isfinite().all()
+
+
 def test_critic_steps_delay_the_generator(toy: ToyDataModule, tmp_path: Path) -> None:
     assert int(trained(toy, tmp_path, critic_steps=1).generator_steps) == 2
     assert int(trained(toy, tmp_path, critic_steps=2).generator_steps) == 1

@@ -9,6 +9,15 @@ def test_feature_length(grid: tuple[int, int]) -> None:
     assert SceneEncoder(10, width=8, grid=grid)(torch.rand(2, 3, 72, 128)).shape == (2, 10)
 
 
+def test_less_precision_stays_inside() -> None:
+    encoder, picture = SceneEncoder(10, width=8).eval(), torch.rand(2, 3, 72, 128)
+    whole = encoder(picture)
+    with torch.autocast("cpu", torch.bfloat16):
+        less = encoder(picture)
+    assert less.dtype == torch.float32
+    assert not torch.equal(less, whole) and torch.allclose(less, whole, atol=0.05)
+
+
 def test_a_finer_grid_knows_where_things_are() -> None:
     picture = torch.zeros(1, 3, 64, 128)
     picture[..., :40] = 1

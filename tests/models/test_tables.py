@@ -32,13 +32,13 @@ TABLES = {
         ((64, 11, 32), (128, 5, 16)),
         ((128, 5, 16), (256, 5, 8)),
         ((256, 5, 8), (512, 1, 4)),
-        ((512, 1, 4), (512, 1, 4)),
+        ((512, 1, 4), (512, 1, 1)),
     ],
     "9 context critic": [
         ((9, 72, 128), (64, 36, 64)),
         ((64, 36, 64), (128, 18, 32)),
         ((128, 18, 32), (256, 9, 16)),
-        ((256, 9, 16), (512, 9, 16)),
+        ((256, 9, 16), (512, 1, 1)),
     ],
     "10 trajectory critic": [
         ((316, 1, 64), (64, 1, 64)),
@@ -46,7 +46,7 @@ TABLES = {
         ((64, 1, 32), (128, 1, 16)),
         ((128, 1, 16), (256, 1, 8)),
         ((256, 1, 8), (512, 1, 4)),
-        ((512, 1, 4), (512, 1, 4)),
+        ((512, 1, 4), (512, 1, 1)),
     ],
     "11 pose critic": [
         ((262, 19, 65), (64, 11, 65)),
@@ -54,10 +54,10 @@ TABLES = {
         ((64, 11, 32), (128, 5, 16)),
         ((128, 5, 16), (256, 5, 8)),
         ((256, 5, 8), (512, 1, 4)),
-        ((512, 1, 4), (512, 1, 4)),
+        ((512, 1, 4), (512, 1, 1)),
     ],
 }
-"""(channels, nodes, frames) into and out of each row; the pooling of row Out follows the convolution here."""
+"""(channels, nodes, frames) into and out of each row; row Out pools."""
 
 ROWS = [(table, row) for table, rows in TABLES.items() for row in range(len(rows))]
 
@@ -66,6 +66,8 @@ def table_shape(layout: str, tensors: tuple[torch.Tensor, ...]) -> tuple[int, ..
     """The shape as the tables print it; a condition given apart counts as channels."""
     x = tensors[0]
     shape = tuple(x.shape[1:])
+    if len(shape) == 1:
+        return (*shape, 1, 1)
     if layout == "pictures":
         return shape
     channels, frames = shape[-2:]
