@@ -80,6 +80,11 @@ preview: install ## Draw windows of the synthetic rooms with their motion into r
 test: install ## Run all tests.
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
+.PHONY: chaos
+chaos: install ## Kill a sweep 60 times at random moments, flip bits, fill disks: what is lost must be nothing.
+	$(BIN)/python -m pytest tests/test_checkpoints.py tests/methods/test_diverging.py tests/methods/test_resume.py
+	$(BIN)/python tests/chaos.py $(EXTRA)
+
 # The peers of the bench extra, without what they want: in a folder of their own, so that nothing installed changes.
 $(VENV)/peers/installed: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --no-deps --upgrade --constraint constraints.txt --target $(VENV)/peers \

@@ -12,7 +12,6 @@ from typing import Any
 
 import lightning.pytorch as pl
 import torch
-from lightning.pytorch.callbacks import ModelCheckpoint
 
 import sag
 from sag.components import parameter_count
@@ -24,29 +23,21 @@ PROGRESS_EVERY = 1.0
 """Seconds between two writings of progress.json."""
 
 
-class LastCheckpoint(ModelCheckpoint):
-    """Keeps `checkpoints/last.ckpt` in the run's folder, written after every epoch."""
-
-    def __init__(self) -> None:
-        super().__init__(filename="last", enable_version_counter=False, save_on_train_epoch_end=True)
-
-    def setup(self, trainer: pl.Trainer, pl_module: pl.LightningModule, stage: str) -> None:
-        """Finds the run's folder."""
-        self.dirpath = str(Path(trainer.default_root_dir) / "checkpoints")
-        super().setup(trainer, pl_module, stage)
-
-    def on_fit_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
-        """Says where the checkpoint is."""
-        if trainer.is_global_zero and self.best_model_path:
-            print(f"the checkpoint is {self.best_model_path}", flush=True)
-
-
 class MetricsFile(pl.Callback):
     """Writes `metrics.json`: the figures of a test with all that is needed to compare them."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self.started = time.monotonic()
+        self.before = 0.0
+
+    def state_dict(self) -> dict[str, float]:
+        """How long training has taken, in all of its parts if it was interrupted."""
+        return {"fit": self.before + time.monotonic() - self.started}
+
+    def load_state_dict(self, state_dict: dict[str, float]) -> None:
+        """Takes the parts of before."""
+        self.before = state_dict["fit"]
 
     def on_fit_start(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """Starts the clock."""
@@ -54,7 +45,7 @@ class MetricsFile(pl.Callback):
 
     def on_fit_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """Notes how long training took."""
-        self.seconds["fit"] = round(time.monotonic() - self.started, 1)
+        self.seconds["fit"] = round(self.state_dict()["fit"], 1)
 
     def on_test_start(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """Starts the clock."""

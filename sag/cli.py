@@ -7,7 +7,8 @@ import io
 import sys
 from collections.abc import Callable
 
-from sag.errors import SagError
+from sag.errors import OutOfSpace, SagError
+from sag.files import FULL
 from sag.text import plain
 
 TOOLS = {
@@ -25,15 +26,24 @@ TRAINING = ("fit", "run", "validate", "test", "predict")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs one command; errors a user can mend are one sentence and status 2."""
+    """Runs one command; errors a user can mend are one sentence and a status that is not 0, see `sag.errors`."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # no name of a file is worth a traceback
     try:
         return _dispatch(arguments)
     except SagError as error:
-        print(f"sag: {plain(' '.join(str(error).splitlines()))}", file=sys.stderr)
-        return 2
+        return _refused(error)
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        where = f"{error.filename} cannot be written" if error.filename else "a file cannot be written"
+        return _refused(OutOfSpace(f"{where} ({error.strerror}); make room, then the same command goes on"))
+
+
+def _refused(error: SagError) -> int:
+    print(f"sag: {plain(' '.join(str(error).splitlines()))}", file=sys.stderr)
+    return error.status
 
 
 def _dispatch(arguments: list[str]) -> int:

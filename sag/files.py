@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import glob
 import hashlib
 import json
 import math
 import os
+import platform
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -15,24 +18,81 @@ import yaml
 
 from sag.errors import SagError
 
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""How systems say that there is no room."""
 
-def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
+
+def write_whole(path: Path, write: Callable[[BinaryIO], object], keep: Path | None = None) -> None:
     """Writes a file under a temporary name, syncs it and renames it, so that the old one stays until then.
+
+    What a process that was killed has left half written of the same file is removed.
 
     Args:
         path: the file; its folder is made.
         write: puts the content into the open file.
+        keep: name in the same folder under which a file that is replaced stays.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    for replaced in (path, *([keep] if keep else [])):
+        _remove_strays(replaced)
+    partial = _partial(path)
     try:
         with partial.open("wb") as file:
             write(file)
             file.flush()
             os.fsync(file.fileno())
+        if keep is not None and path.exists():
+            _keep(path, keep)
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
+    _sync_folder(path.parent)
+
+
+def _partial(path: Path) -> Path:
+    """The name of a file while it is written: of this machine's process, since machines share folders."""
+    return path.with_name(f".{path.name}.{platform.node()}.{os.getpid()}")
+
+
+def _remove_strays(path: Path) -> None:
+    """Removes partial files of processes of this machine that are gone."""
+    own = _partial(path).stem
+    for stray in path.parent.glob(f"{glob.escape(own)}.*"):
+        if stray.suffix[1:].isdecimal() and not _alive(int(stray.suffix[1:])):
+            stray.unlink(missing_ok=True)
+
+
+def _alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # somebody else's
+        return True
+    return True
+
+
+def _keep(path: Path, keep: Path) -> None:
+    """Gives a file a second name, so that it has one at every moment; where links are unknown, the other name."""
+    spare = _partial(keep)
+    try:
+        spare.unlink(missing_ok=True)
+        os.link(path, spare)
+        spare.replace(keep)
+    except OSError:
+        path.replace(keep)
+    finally:
+        spare.unlink(missing_ok=True)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Makes a rename last, where the system syncs folders."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager

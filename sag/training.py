@@ -12,12 +12,13 @@ import wandb
 from jsonargparse import set_parsing_settings
 from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
 
-from sag.callbacks import LastCheckpoint, MetricsFile, PredictionFile, ProgressFile
+from sag.callbacks import MetricsFile, PredictionFile, ProgressFile
 from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.methods.base import Method
 from sag.parsing import LINKS, one_sentence_each
+from sag.saving import LastCheckpoint
 from sag.trainer import Trainer
 
 

@@ -14,6 +14,7 @@ from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
 from sag.data.cache import DEPTH_UNIT, PERSON, SPLITS, WindowCache
+from sag.data.order import EpochOrder, ResumableLoader
 from sag.errors import SagError
 from sag.files import writing_in
 from sag.skeleton import Skeleton, skeleton_named
@@ -158,7 +159,8 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         """Training windows in random order; an incomplete last batch is left out if there is another."""
         windows = Windows(self.cache, "train", self.skeleton)
         size = min(self.batch_size, len(windows))
-        return DataLoader(windows, batch_size=size, shuffle=True, drop_last=True, collate_fn=_whole)
+        order = EpochOrder(windows)
+        return ResumableLoader(windows, batch_size=size, sampler=order, drop_last=True, collate_fn=_whole)
 
     def val_dataloader(self) -> DataLoader[Batch]:
         """Held-out windows of the training rooms."""

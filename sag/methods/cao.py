@@ -13,6 +13,7 @@ from sag.components import Network, build_encoder
 from sag.geometry.camera import project
 from sag.methods.base import Method
 from sag.methods.stages import check_shares, stages_due
+from sag.methods.terms import record
 from sag.models.cao import path_net, pose_net
 from sag.models.cao.blocks import Seen
 from sag.models.cao.goal_net import BLOCKS, LATENT, GoalNet, goal_loss
@@ -123,9 +124,9 @@ class Cao(Method):
             with torch.set_grad_enabled(stage == 0):
                 seen = self._seen(batch)
             losses = (self._goal_losses, self._path_losses, self._pose_losses)[stage](seen, batch)
+            record(self, {f"train/{name}": loss for name, loss in losses.items()})
             self._step(stage, sum(losses.values()))
             self.stage_steps[stage] += 1
-            self.log_dict({f"train/{name}": loss.detach() for name, loss in losses.items()})
         self.log("train/generator_step", self.generator_steps.float())
 
     def _goal_losses(self, seen: Seen, batch: Batch) -> dict[str, Tensor]:

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
+from sag.methods.terms import record
 from sag.models.erd import MotionEncoders
 from sag.skeleton import skeleton_named
 from sag.types import Batch
@@ -85,7 +86,7 @@ class ERDTraining(pl.LightningModule):
     def training_step(self, batch: Batch, batch_idx: int) -> Tensor:
         """Mean squared error of the next frame on noisy clips, summed over the three encoders."""
         losses = self._losses(batch, self.noise)
-        self.log_dict({f"train/erd/{frames}": loss for frames, loss in losses.items()})
+        record(self, {f"train/erd/{frames}": loss for frames, loss in losses.items()})
         return torch.stack(list(losses.values())).sum()
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
@@ -105,8 +106,11 @@ class ERDTraining(pl.LightningModule):
         for network in self.encoders.networks.values():
             nn.utils.clip_grad_norm_(network.parameters(), self.clip_norm)
 
-    def on_train_end(self) -> None:
-        """Writes the encoders beside the data's cache; a fit of fewer batches than there are leaves no trace."""
+    def on_fit_end(self) -> None:
+        """Writes the encoders beside the data's cache; a fit of fewer batches than there are leaves no trace.
+
+        That a fit goes on which was interrupted after its last batch is no reason not to.
+        """
         trainer: Any = self.trainer
         if not trainer.is_global_zero or trainer.fast_dev_run or not self.global_step:
             return

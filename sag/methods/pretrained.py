@@ -11,6 +11,7 @@ from torch import Tensor
 
 from sag.errors import SagError
 from sag.methods.weights import check_shapes, check_skeleton
+from sag.seal import read_sealed
 from sag.skeleton import Skeleton
 
 State = Mapping[str, Tensor]
@@ -53,7 +54,7 @@ def _read(path: Path) -> Mapping[str, Any]:
     if not path.is_file():
         raise SagError(f"{OPTION} {path} is no file")
     try:
-        content = torch.load(path, map_location="cpu", weights_only=True)
+        content = torch.load(read_sealed(path)[0], map_location="cpu", weights_only=True)
         return {**content, "state_dict": dict(content["state_dict"])}
     except Exception as error:  # a damaged checkpoint can raise anything
         reason = (str(error) or type(error).__name__).splitlines()[0]

@@ -12,6 +12,7 @@ from torch import Generator, Tensor, nn
 
 from sag.losses import critic_loss, generator_loss, gradient_penalty
 from sag.methods.base import Method
+from sag.methods.terms import record
 from sag.models.critics import Critic
 from sag.models.sampler import Sampler
 from sag.scoring import Evaluation
@@ -131,19 +132,19 @@ class WGAN(Method):
 
             penalty = gradient_penalty(score, real_view, fake_view, self.recipe.penalty_target, self.penalty_axes)
             total = total + loss + self.recipe.penalty * penalty
-            logged |= {f"train/critic/{name}": loss.detach(), f"train/penalty/{name}": penalty.detach()}
+            logged |= {f"train/critic/{name}": loss, f"train/penalty/{name}": penalty}
+        record(self, logged)
         self._step(1, total)
-        self.log_dict(logged)
 
     def _train_generator(self, fake: Motion, condition: Condition, scene: DepthMap, losses: dict[str, Tensor]) -> None:
         critics: Any = self.critics
         critics.requires_grad_(False)
         for name, critic in self.judges.items():
             losses[name] = generator_loss(critic(critic.view(fake, scene), condition))
+        record(self, {f"train/generator/{name}": loss for name, loss in losses.items()})
         self._step(0, sum(self.weights.get(name, 1.0) * loss for name, loss in losses.items()))
         critics.requires_grad_(True)
         self.generator_steps = self.generator_steps + 1
-        self.log_dict({f"train/generator/{name}": loss.detach() for name, loss in losses.items()})
         self.log("train/generator_step", self.generator_steps.float())
 
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +13,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from sag.sweep.status import LOG, STATUS, Status
+from sag.sweep.resuming import clear
+from sag.sweep.status import LOG, Status
 
 GRACE = 10.0
 """Seconds between the request to end and the kill."""
@@ -35,10 +35,12 @@ def row_environment(group: str, name: str, threads: int) -> dict[str, str]:
     return {**os.environ, **own, "OMP_NUM_THREADS": str(threads), "MKL_NUM_THREADS": str(threads)}
 
 
-def start(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
-    """Starts a row in its folder, emptied of an earlier try; output goes to `log.txt`."""
-    _empty(folder)
-    with (folder / LOG).open("wb") as log:
+def start(
+    command: Sequence[str], folder: Path, environment: Mapping[str, str], going_on: bool = False
+) -> subprocess.Popen[bytes]:
+    """Starts a row in its folder, emptied of an earlier try unless it goes on from there; output goes to `log.txt`."""
+    clear(folder, going_on)
+    with (folder / LOG).open("ab") as log:
         return subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
@@ -48,15 +50,6 @@ def start(command: Sequence[str], folder: Path, environment: Mapping[str, str]) 
             start_new_session=True,
             preexec_fn=_die_with_parent if LIBC else None,
         )
-
-
-def _empty(folder: Path) -> None:
-    """Removes all but the status: without it nobody could tell whose folder this is."""
-    for path in folder.iterdir():
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path)
-        elif path.name != STATUS:
-            path.unlink()
 
 
 def _die_with_parent() -> None:

@@ -11,6 +11,7 @@ from types import FrameType, TracebackType
 from typing import Any, Protocol, runtime_checkable
 
 from sag.sweep import process
+from sag.sweep.resuming import GO_ON, goes_on
 from sag.sweep.status import METRICS, read_progress
 from sag.sweep.tracked import Tracked
 
@@ -90,9 +91,11 @@ class Runner:
 
     def _start(self, tracked: Tracked) -> None:
         threads = max(1, process.cores() // (1 if tracked.row.alone else self.jobs))
-        command = (*tracked.row.command, f"--trainer.default_root_dir={tracked.folder}")
+        going_on = goes_on(tracked.row.command, tracked.folder)
+        place = f"--trainer.default_root_dir={tracked.folder}"
+        command = (*tracked.row.command, *([GO_ON] if going_on else []), place)
         environment = process.row_environment(self.name, tracked.row.name, threads)
-        tracked.process = process.start(command, tracked.folder, environment)
+        tracked.process = process.start(command, tracked.folder, environment, going_on)
         tracked.set(state="running", command=command, pid=tracked.process.pid, started=time.time())
         self.display.changed(tracked)
 

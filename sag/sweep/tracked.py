@@ -13,6 +13,7 @@ from typing import Any
 
 from sag.errors import SagError
 from sag.sweep import process
+from sag.sweep.resuming import forget, remove_strays, was_stopped
 from sag.sweep.rows import Row
 from sag.sweep.status import METRICS, Progress, Status, read_status
 
@@ -47,13 +48,15 @@ class Tracked:
 def track(rows: Sequence[Row], out: Path) -> list[Tracked]:
     """Every row with its state: finished rows stay so unless something changed, all others wait.
 
-    A row left running by a sweep that was killed is ended first. A row that has finished under the same command
-    in a sweep beside this one is copied from there.
+    A row left running by a sweep that was killed is ended first. Checkpoints of a row that was stopped stay, if its
+    command is still the same, so that it goes on. A row that has finished under the same command in a sweep beside
+    this one is copied from there.
 
     Raises:
         SagError: a row's folder holds what no sweep wrote.
     """
     tracked = []
+    remove_strays(out)
     for row in rows:
         folder = out / row.name
         before = read_status(folder)
@@ -61,14 +64,14 @@ def track(rows: Sequence[Row], out: Path) -> list[Tracked]:
         if before and is_finished(before, row, folder):
             waiting.status = before
         else:
-            _make_way(before, folder)
+            _make_way(before, row, folder)
             waiting.status = _from_beside(row, folder) or waiting.status
             waiting.status.write(folder)
         tracked.append(waiting)
     return tracked
 
 
-def _make_way(before: Status | None, folder: Path) -> None:
+def _make_way(before: Status | None, row: Row, folder: Path) -> None:
     """Ends what was left running; what had finished under another command is moved, not emptied."""
     if before and before.state == "finished" and (folder / METRICS).is_file():
         kept = folder.parent / REPLACED / f"{folder.name}-{before.command_hash[:8]}"
@@ -77,6 +80,9 @@ def _make_way(before: Status | None, folder: Path) -> None:
         folder.rename(kept)
     elif before:
         process.stop_leftover(before)
+        remove_strays(folder)
+        if before.command_hash != row.fingerprint or not was_stopped(before):
+            forget(folder)
     elif folder.is_dir() and any(folder.iterdir()):
         raise SagError(f"{folder} holds files that no sweep wrote; move them away or choose another --out")
 
