@@ -16,7 +16,8 @@ import yaml
 
 from benchmarks.claim import Claim, Say, duration
 from benchmarks.training_step import windows
-from sag.callbacks import LastCheckpoint, ProgressFile
+from sag.callbacks import ProgressFile
+from sag.saving import LastCheckpoint
 from sag.components import Network
 from sag.data.base import MotionDataModule
 from sag.data.cache import ARRAYS, WindowCache, open_or_build, write_cache
