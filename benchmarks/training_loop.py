@@ -17,12 +17,12 @@ import yaml
 from benchmarks.claim import Claim, Say, duration
 from benchmarks.training_step import windows
 from sag.callbacks import ProgressFile
-from sag.saving import LastCheckpoint
 from sag.components import Network
 from sag.data.base import MotionDataModule
 from sag.data.cache import ARRAYS, WindowCache, open_or_build, write_cache
 from sag.logger import WandbOffline
 from sag.methods import SAG
+from sag.saving import LastCheckpoint
 from sag.trainer import Trainer
 from sag.types import Batch
 
