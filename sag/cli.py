@@ -18,6 +18,8 @@ TOOLS = {
     "report": "lays finished rows side by side",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
     "extend": "samples motions of any length from a trained run",
+    "export": "motions of a file as BVH and animated glTF for Blender and others",
+    "view": "motions in their scenes as one HTML file for any browser",
 }
 """Subcommands that do not train, with what they do."""
 
@@ -72,6 +74,10 @@ def _tool(name: str) -> Callable[[list[str]], int]:
         from sag.figure7 import main as tool
     elif name == "extend":
         from sag.extend import main as tool
+    elif name == "export":
+        from sag.exporting import main as tool
+    elif name == "view":
+        from sag.view import main as tool
     else:
         from sag.report import main as tool
     return tool

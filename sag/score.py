@@ -10,20 +10,19 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import lightning.pytorch as pl
 from jsonargparse import ArgumentParser, Namespace
 
 from sag.data.base import MotionDataModule
 from sag.data.known import DATA_SETS
-from sag.errors import SagError
-from sag.files import read_yaml, write_json, write_whole
+from sag.files import write_json, write_whole
 from sag.methods import GroundTruth, Recorded
 from sag.methods.base import Method
 from sag.metrics import collision_details
 from sag.metrics.collisions.clear_frames import RADII
 from sag.parsing import one_sentence_each
+from sag.references import data_reference
 from sag.report import show_scores
 from sag.scoring import Evaluation
 
@@ -100,7 +99,7 @@ def _parsed(arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
 def _instantiated(parser: ArgumentParser, arguments: Sequence[str]) -> tuple[Namespace, MotionDataModule]:
     """Options and data; the data's own options may follow, such as --data.init_args.root."""
     reference = _value_of("--reference", arguments)
-    known = [] if reference is None else [f"--data={json.dumps(_reference(reference))}"]
+    known = [] if reference is None else [f"--data={json.dumps(data_reference(reference))}"]
     made = parser.instantiate_classes(parser.parse_args([*known, *arguments]))
     return made, made.data
 
@@ -113,17 +112,3 @@ def _value_of(option: str, arguments: Sequence[str]) -> str | None:
         if argument.startswith(f"{option}="):
             return argument.partition("=")[2]
     return None
-
-
-def _reference(name: str) -> dict[str, Any]:
-    """The data set that a name or a YAML file stands for, as class and options."""
-    if name in DATA_SETS:
-        return {"class_path": DATA_SETS[name]}
-    path = Path(name)
-    if not path.is_file():
-        raise SagError(f"--reference {name} is neither a file nor one of {', '.join(DATA_SETS)}")
-    content = read_yaml(path)
-    data = content.get("data") if isinstance(content, dict) else None
-    if not isinstance(data, dict) or not isinstance(data.get("init_args", {}), dict):
-        raise SagError(f"--reference {name} is no YAML file with `data` and its init_args, such as a config.fit.yaml")
-    return data

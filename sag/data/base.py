@@ -10,6 +10,7 @@ from typing import Any
 import lightning.pytorch as pl
 import numpy as np
 import torch
+from jaxtyping import UInt8
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
@@ -187,6 +188,14 @@ class MotionDataModule(pl.LightningDataModule, ABC):
             strangers = np.flatnonzero(rooms != room)
             partners.append(int(np.random.default_rng(index).choice(strangers)))
         return Windows(self.cache, "test", self.skeleton, with_cloud=True).__getitems__(partners)
+
+    def picture(self, window: int) -> UInt8[np.ndarray, "h w 3"]:
+        """The picture of a window as sharp as it is to be had, for people to look at; methods see the cache's.
+
+        Args:
+            window: its place in the data set.
+        """
+        return np.asarray(self.cache.image[window])
 
     def geometry(self, room: int) -> KnownGeometry | None:
         """Solids and floor of a room, where they are known and not only seen."""

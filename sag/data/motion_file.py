@@ -3,7 +3,7 @@
 A file is a `.npz` with `joints` (n, k, 65, j, 3) or (n, 65, j, 3), metres in the camera frame of frame 0 (x right, y
 down, z forward), the given frame first. `index` (n,) names the window of the data set that each continues; without
 it there is one for each test window, in order. `fps` and `skeleton` are checked where they are there. `sag extend`
-writes longer motions in the same form; they are not read here, since figures are of 65 frames.
+writes longer motions in the same form; figures are of 65 frames, so these are read only where any number is allowed.
 """
 
 from __future__ import annotations
@@ -93,8 +93,12 @@ class MotionFile:
             )
 
 
-def read_motions(path: Path) -> MotionFile:
+def read_motions(path: Path, frames: int | None = FRAMES) -> MotionFile:
     """Motions from a `.npz`; nothing in it is executed.
+
+    Args:
+        path: of the file.
+        frames: that its motions must have; None where any number will do.
 
     Raises:
         SagError: it is missing, damaged, or holds other shapes than the sentence names.
@@ -110,10 +114,11 @@ def read_motions(path: Path) -> MotionFile:
     if joints is None or not np.issubdtype(joints.dtype, np.floating):
         raise SagError(f"{path} has no array `joints` of floating-point numbers, (n, 65, j, 3) or (n, k, 65, j, 3)")
     joints = joints[:, None] if joints.ndim == 4 else joints
-    if joints.ndim != 5 or joints.shape[2] != FRAMES or joints.shape[4] != 3 or not joints.size:
+    if joints.ndim != 5 or joints.shape[2] != (frames or joints.shape[2]) or joints.shape[4] != 3 or not joints.size:
+        some = frames or "t"
         raise SagError(
-            f"{path}: joints are {arrays['joints'].shape}, they must be (n, {FRAMES}, j, 3) or (n, k, {FRAMES}, j, 3): "
-            "the given frame and the 64 that follow"
+            f"{path}: joints are {arrays['joints'].shape}, they must be (n, {some}, j, 3) or (n, k, {some}, j, 3): "
+            f"the given frame and {'those' if frames is None else f'the {frames - 1}'} that follow"
         )
     broken = ~np.isfinite(joints).all(axis=(1, 2, 3, 4))
     if broken.any():

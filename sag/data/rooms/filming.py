@@ -6,18 +6,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import UInt8
 
+from sag.data.cache import WindowCache
 from sag.data.rooms.body import Person, animate
 from sag.data.rooms.cameras import Camera, random_camera
 from sag.data.rooms.figure import Outfit
 from sag.data.rooms.layout import random_room
-from sag.data.rooms.recipe import Recipe
+from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.data.rooms.render import Solids
 from sag.data.rooms.room import Room
 from sag.data.rooms.routes import Router
 from sag.data.rooms.surfaces import room_surfaces
 from sag.data.rooms.walks import Stage, Start
-from sag.data.rooms.windows import Recording, Scenery
+from sag.data.rooms.windows import Recording, Scenery, picture_of
 
 TESTED = 2
 """Every so many training rooms one has a camera for testing and a recording for validation."""
@@ -86,6 +88,24 @@ class Shoot:
         joints = animate(clip.plan, person, rng)
         outfit = Outfit.random(rng)
         return Recording(number, self.number, split, camera, joints, clip.contact, outfit, person.scale)
+
+
+def sharp_picture(
+    cache: WindowCache, recipe: Recipe, row: int, size: tuple[int, int] = CLOUD_SIZE
+) -> UInt8[np.ndarray, "h w 3"]:
+    """The picture of a window, rendered again at some size where the cache's is smaller.
+
+    Args:
+        cache: of rooms.
+        recipe: that the cache was made of.
+        row: of the window.
+        size: rows and columns.
+    """
+    if recipe.image_size[0] >= size[0]:
+        return np.asarray(cache.image[row])
+    shoot = Shoot.of(recipe, int(cache.scene[row]))
+    recording = next(r for r in shoot.recordings() if r.number == cache.sequence[row])
+    return picture_of(recording, shoot.scenery, int(cache.start[row]), size).image
 
 
 def _generator(recipe: Recipe, *key: int) -> np.random.Generator:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import UInt8
+
 from sag.data.base import MotionDataModule
 from sag.data.cache import WindowCache, open_or_build
 from sag.data.rooms.build import build_rooms
+from sag.data.rooms.filming import sharp_picture
 from sag.data.rooms.geometry import RoomGeometry, load_geometry
 from sag.data.rooms.person import ANKLE
-from sag.data.rooms.recipe import Recipe
+from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.errors import SagError
 from sag.skeleton import GTA_IM_19
 
@@ -61,6 +65,10 @@ class RoomsDataModule(MotionDataModule):
         if room not in self.geometries:
             self.geometries[room] = load_geometry(self.cache, room)
         return self.geometries[room]
+
+    def picture(self, window: int) -> UInt8[np.ndarray, "h w 3"]:
+        """The picture of a window, rendered again at twice the paper's size where the cache's is smaller."""
+        return sharp_picture(self.cache, self.recipe, window, (2 * CLOUD_SIZE[0], 2 * CLOUD_SIZE[1]))
 
     def build(self) -> WindowCache:
         """Opens the cache of the recipe, making the rooms first when it is missing."""

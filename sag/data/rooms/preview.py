@@ -10,9 +10,9 @@ from jaxtyping import Bool, Float, Int
 
 from sag.data.cache import SPLITS, WindowCache
 from sag.data.rooms.build import load_contact
-from sag.data.rooms.filming import Shoot
-from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
-from sag.data.rooms.windows import ROOT, picture_of
+from sag.data.rooms.filming import sharp_picture
+from sag.data.rooms.recipe import Recipe
+from sag.data.rooms.windows import ROOT
 from sag.data.sheet import Tile, draw_sheet, projected
 from sag.skeleton import GTA_IM_19
 
@@ -75,17 +75,9 @@ def _way(cache: WindowCache) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray,
     return travelled, np.einsum("nc,nc->n", root[:, -1] - root[:, 0], cache.world2cam[:, :3, 2])
 
 
-def _picture(cache: WindowCache, recipe: Recipe, row: int) -> np.ndarray:
-    if recipe.image_size[0] >= CLOUD_SIZE[0]:
-        return np.asarray(cache.image[row])
-    shoot = Shoot.of(recipe, int(cache.scene[row]))
-    recording = next(r for r in shoot.recordings() if r.number == cache.sequence[row])
-    return picture_of(recording, shoot.scenery, int(cache.start[row]), CLOUD_SIZE).image
-
-
 def _tile(cache: WindowCache, recipe: Recipe, row: int, kind: str) -> Tile:
     """A window at the paper's size."""
-    image = _picture(cache, recipe, row)
+    image = sharp_picture(cache, recipe, row)
     joints = projected(cache.joints[row], cache.intrinsics[row]) * (len(image) / cache.image.shape[1])
     return Tile(image, joints, _caption(cache, kind, row))
 
