@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
-import torch
 import yaml
 
+from sag.checkpoints import WholeCheckpoints
 from sag.components import Components, Network
 from sag.methods import SAG
 
@@ -28,5 +28,5 @@ def sweep(tmp_path: Path, toy) -> Path:
         (folder / "checkpoints").mkdir(parents=True)
         (folder / "config.fit.yaml").write_text(yaml.safe_dump(config))
         (folder / "metrics.json").write_text("{}")
-        torch.save({"state_dict": method.state_dict()}, folder / "checkpoints/last.ckpt")
+        WholeCheckpoints().save_checkpoint({"state_dict": method.state_dict()}, folder / "checkpoints/last.ckpt")
     return tmp_path / "sweep"
