@@ -14,7 +14,7 @@ from sag.errors import SagError
 from sag.export import BvhForm, Surface, Unit, write_bvh, write_glb
 from sag.export.bvh import EXACT
 from sag.export.source import Source
-from sag.references import data_of
+from sag.references import BESIDE, config_beside, data_of
 from sag.skeleton import Skeleton, skeleton_named
 from sag.text import plain
 
@@ -24,9 +24,6 @@ origin on the floor under the person's start, one key for each frame. Up is what
 one is told or beside the file, else the camera's own up, as if it were held level, or a guess by --level."""
 
 FORMATS = ("bvh", "glb")
-
-BESIDE = ("config.predict.yaml", "config.fit.yaml")
-"""Configs beside a file of motions that tell its data set."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -103,7 +100,7 @@ def _source(asked: argparse.Namespace) -> Source:
     reference = asked.reference
     # What is beside the file is opened only where it is of use, since that may mean building it.
     if reference is None and (asked.scene or not asked.level):
-        reference = next((str(path) for name in BESIDE if (path := asked.file.parent / name).is_file()), None)
+        reference = config_beside(asked.file)
     data = None if reference is None else data_of(reference, asked.cache_dir)
     fps = motions.fps or asked.fps or (data.fps if data else None)
     if fps is None:

@@ -138,14 +138,14 @@ def sha256_of(path: Path) -> str:
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Writes a JSON file whole or not at all; what is no number, which JSON does not know, becomes null."""
-    text = json.dumps(_plain(content), indent=1, sort_keys=True, allow_nan=False) + "\n"
+    text = json.dumps(finite(content), indent=1, sort_keys=True, allow_nan=False) + "\n"
     write_whole(path, lambda file: file.write(text.encode()))
 
 
-def _plain(value: Any) -> Any:
-    """A value with null for every float that is not finite."""
+def finite(value: Any) -> Any:
+    """A value of JSON with None for every float that is not finite, which JSON does not know."""
     if isinstance(value, Mapping):
-        return {name: _plain(inner) for name, inner in value.items()}
+        return {name: finite(inner) for name, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(inner) for inner in value]
+        return [finite(inner) for inner in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -13,6 +13,14 @@ from sag.errors import SagError
 from sag.files import read_yaml
 from sag.parsing import one_sentence_each
 
+BESIDE = ("config.predict.yaml", "config.fit.yaml")
+"""Configs that a run leaves beside a file of motions, the first that is there being the one that made it."""
+
+
+def config_beside(file: Path) -> str | None:
+    """The config beside a file of motions that tells its data set, if there is one."""
+    return next((str(path) for name in BESIDE if (path := file.parent / name).is_file()), None)
+
 
 def data_reference(name: str) -> dict[str, Any]:
     """The data set that a name or a YAML file stands for, as class and options.

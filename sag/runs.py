@@ -10,7 +10,7 @@ from typing import Any
 import torch
 from jsonargparse import ArgumentParser
 
-from sag.checkpoints import WholeCheckpoints
+from sag.checkpoints import FOLDER, LAST, WholeCheckpoints
 from sag.components import Components
 from sag.data.base import MotionDataModule, Windows
 from sag.errors import SagError
@@ -20,7 +20,7 @@ from sag.parsing import LINKS, one_sentence_each
 from sag.types import Batch
 
 CONFIG = "config.fit.yaml"
-CHECKPOINT = Path("checkpoints") / "last.ckpt"
+CHECKPOINT = Path(FOLDER) / LAST
 
 USUAL_WINDOWS = 100
 """Test windows that are looked at where nobody says how many."""

@@ -17,7 +17,7 @@ from sag.data.known import DATA_SETS
 from sag.data.motion_file import MotionFile, read_motions
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
-from sag.references import data_of
+from sag.references import BESIDE, config_beside, data_of
 from sag.runs import Run, read_runs
 from sag.types import Batch
 from sag.viewer import ShownWindow, page, shown_window
@@ -27,9 +27,6 @@ DESCRIPTION = """\
 Shows motions in their scenes: one HTML file that any browser opens from the disk, without a network or a server.
 A run is sampled now; the runs of a sweep, and several sources, are rows to switch between; a file of motions, as sag
 predict writes it, is shown as it is."""
-
-BESIDE = ("config.predict.yaml", "config.fit.yaml")
-"""Configs beside a file of motions that tell its data set."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -134,9 +131,8 @@ def _reference(asked: argparse.Namespace, paths: Sequence[Path]) -> str:
     if asked.reference is not None:
         return asked.reference
     for path in paths:
-        for name in BESIDE:
-            if (path.parent / name).is_file():
-                return str(path.parent / name)
+        if found := config_beside(path):
+            return found
     raise SagError(f"{paths[0]} does not tell its data set; name it with --reference, such as rooms or a config")
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import base64
 import io
 import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from PIL import Image
+
+from sag.files import finite
 
 QUALITY = 86
 """Of the pictures, per cent."""
@@ -39,16 +40,7 @@ def packed_picture(picture: np.ndarray) -> str:
 
 def script_json(content: Mapping[str, Any]) -> str:
     """JSON that no name in it can lead out of a script element; what is no number becomes null."""
-    text = json.dumps(_plain(content), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(finite(content), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     for sign in "<>&":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
     return text
-
-
-def _plain(value: Any) -> Any:
-    """A value with null for every float that is not finite."""
-    if isinstance(value, Mapping):
-        return {name: _plain(inner) for name, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
