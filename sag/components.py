@@ -34,7 +34,7 @@ from sag.models.graph import Norm
 from sag.models.noise import Kernel
 from sag.models.scale import MotionScale, Units
 from sag.models.scene_depth import ContextDepth, SceneDepth, SupervisedDepth
-from sag.models.scene_encoder import BlindEncoder, DepthDecoder, SceneEncoder
+from sag.models.scene_encoder import BlindEncoder, DepthDecoder, FeatureNorm, SceneEncoder
 from sag.skeleton import Skeleton
 from sag.types import FRAMES
 
@@ -76,6 +76,7 @@ class Network:
         crop_scale: size of the context critic's crops; 1 is the paper's.
         context_depth: the depth those crops are cut from when D is on.
         feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
+        feature_norm: how f is brought to scale.
         imagenet: local file with torchvision's ImageNet weights of ResNet-18.
         blind: whether the scene feature is zero: the honest zero of scene awareness.
     """
@@ -87,6 +88,7 @@ class Network:
     crop_scale: float = 1.0
     context_depth: ContextDepth = "decoded"
     feature_grid: tuple[int, int] = (1, 1)
+    feature_norm: FeatureNorm = "none"
     imagenet: Path | None = None
     blind: bool = False
 
@@ -107,7 +109,8 @@ def build_encoder(network: Network) -> SceneEncoder | BlindEncoder:
     if network.blind:
         return BlindEncoder(network.generator_sizes.feature)
     (width,) = network.channels(64)
-    return SceneEncoder(network.generator_sizes.feature, width, network.imagenet, network.feature_grid)
+    sizes = network.generator_sizes
+    return SceneEncoder(sizes.feature, width, network.imagenet, network.feature_grid, network.feature_norm)
 
 
 def build_generator(

@@ -76,6 +76,10 @@ class Method(pl.LightningModule):
         """What the method takes the depth of the pictures to be (b, h, w), metres, if it has an opinion."""
         return None
 
+    def scene_feature(self, batch: Batch) -> Tensor | None:
+        """What the method sums the pictures up in (b, f), if in anything."""
+        return None
+
     @property
     def data(self) -> MotionDataModule:
         """The data module of this run."""
@@ -179,7 +183,7 @@ class Method(pl.LightningModule):
                 return None
             batch = batch[asked]
         samples = self._samples(batch, self.evaluation.samples)
-        judged = self.scores.update(batch, samples, self.predicted_depth(batch))
+        judged = self.scores.update(batch, samples, self.predicted_depth(batch), self.scene_feature(batch))
         for name, (metric, noise) in self.further.items():
             motion = self.variants()[name](batch, noise)
             metric.update(motion.joints, real=False)

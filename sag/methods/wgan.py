@@ -85,6 +85,10 @@ class WGAN(Method):
         """The sampler that motions are drawn from, once trained."""
         return self.sampler
 
+    def scene_feature(self, batch: Batch) -> Tensor:
+        """f of the sampler that motions are drawn from."""
+        return self.drawing.encoder(batch.scene.image)
+
     @property
     def judges(self) -> dict[str, Critic]:
         """The critics that train now; all of them unless a method trains in stages."""

@@ -21,6 +21,7 @@ from sag.metrics.motion.seams import SeamJerk, seam_jerks, velocity_jumps
 from sag.metrics.motion.smoothness import Acceleration, Jerk
 from sag.metrics.motion.velocity_frechet import VelocityFrechet, velocity_frechet
 from sag.metrics.scene.depth_error import DepthError, depth_errors
+from sag.metrics.scene.depth_probe import DepthProbe
 from sag.metrics.scene.feet import FootContact, FootSkate, footing
 from sag.metrics.scene.floor_error import FloorError, known_floor
 from sag.metrics.scene.floor_from_depth import floor_under_feet
@@ -33,6 +34,7 @@ __all__ = [
     "BestOfK",
     "BoneDrift",
     "DepthError",
+    "DepthProbe",
     "FloorError",
     "FootContact",
     "FootSkate",

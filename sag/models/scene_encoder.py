@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import torch
 import torch.nn.functional as F
@@ -10,6 +11,9 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from sag.models.resnet import ResNet18
+
+FeatureNorm = Literal["none", "batch"]
+"""How f is brought to scale: left as the linear layer makes it, or every number to deviation 1 over a batch."""
 
 
 class SceneEncoder(nn.Module):
@@ -21,13 +25,19 @@ class SceneEncoder(nn.Module):
         imagenet: local file of torchvision's ImageNet weights; a random start otherwise.
         grid: cells (rows, columns) into which the last map is pooled before the linear layer; (1, 1) is
             ResNet's global average, finer ones keep where things are.
+        norm: of f. Left alone, f grows in training until noise and initial pose beside it count for little.
     """
 
     mean: Tensor
     std: Tensor
 
     def __init__(
-        self, feature_channels: int, width: int = 64, imagenet: Path | None = None, grid: tuple[int, int] = (1, 1)
+        self,
+        feature_channels: int,
+        width: int = 64,
+        imagenet: Path | None = None,
+        grid: tuple[int, int] = (1, 1),
+        norm: FeatureNorm = "none",
     ) -> None:
         super().__init__()
         self.resnet = ResNet18(width)
@@ -35,13 +45,15 @@ class SceneEncoder(nn.Module):
             self.resnet.load_imagenet(imagenet)
         self.grid = grid
         self.fc = nn.Linear(self.resnet.out_channels * grid[0] * grid[1], feature_channels)
+        self.norm = nn.BatchNorm1d(feature_channels, affine=False) if norm == "batch" else nn.Identity()
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406]).view(3, 1, 1), persistent=False)
         self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
         """f of pictures with colours in [0, 1], in their precision, whatever the maps between had."""
         pixels = ((image - self.mean) / self.std).contiguous(memory_format=torch.channels_last)
-        return self.fc(F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1)).to(image.dtype)
+        pooled = F.adaptive_avg_pool2d(self.resnet(pixels), self.grid).flatten(1)
+        return self.norm(self.fc(pooled)).to(image.dtype)
 
 
 class BlindEncoder(nn.Module):

@@ -66,7 +66,8 @@ DEPTH = Group(
     "Depth estimate",
     "depth",
     "Depth: error of the depth that a row estimates, and pixels within a factor of 1.25 (δ₁); without D it estimates "
-    "none.",
+    "none. Read off f: share of the variance of depth that a linear map, fitted in half of the rooms, reads off the "
+    "scene feature in the others.",
 )
 SEES_MORE = Section(
     "What Motion FID cannot see (ours, not the paper's)",
@@ -87,6 +88,7 @@ SEES_MORE = Section(
         Column(DEPTH, "relative", "depth_error/abs_rel", "lower", digits=3),
         Column(DEPTH, "rmse m", "depth_error/rmse", "lower", digits=2, detail=3),
         Column(DEPTH, "δ₁ %", "depth_error/delta1", "higher", PERCENT, 1, detail=3),
+        Column(DEPTH, "read off f %", "depth_probe/explained", "higher", PERCENT, 1, detail=1),
     ),
 )
 """Beside the paper's: closer looks at its features, and what they leave out."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from sag.data.base import MotionDataModule
-from sag.metrics import DepthError, motion_fid_infinity, motion_fid_interval
+from sag.metrics import DepthError, DepthProbe, motion_fid_infinity, motion_fid_interval
 from sag.metrics.fid.clips import ClipEncoders, ClipFeatures, joined
 from sag.scoring.evaluation import Evaluation
 from sag.scoring.groups import Groups
@@ -51,11 +52,16 @@ class Scores:
         for measure in self.measures:
             measure.metric.to(device)
         self.depth_error = DepthError().to(device)
+        self.depth_probe: DepthProbe | None = None
         self.motions = 0
         self.kept: list[tuple[ClipFeatures, ClipFeatures, Tensor]] = []
 
     def update(
-        self, batch: Batch, samples: Float[Tensor, "b k t j 3"], depth: Float[Tensor, "b h w"] | None = None
+        self,
+        batch: Batch,
+        samples: Float[Tensor, "b k t j 3"],
+        depth: Float[Tensor, "b h w"] | None = None,
+        feature: Float[Tensor, "b f"] | None = None,
     ) -> Judged:
         """Judges motions of these windows.
 
@@ -63,12 +69,15 @@ class Scores:
             batch: the windows.
             samples: metres, camera frame of frame 0.
             depth: what a method takes the depth of the picture to be (metres), if it has an opinion.
+            feature: what a method sums the picture up in, if it does.
 
         Returns:
             What was worked out on the way.
         """
         if depth is not None:
             self.depth_error.update(depth, batch.scene.depth)
+        if feature is not None and self.groups.count > 1:
+            self._probe(feature, batch)
         judged = Judged(batch, samples, self.data, self.encoders)
         for measure in self.measures:
             measure.feed(measure.metric, judged)
@@ -78,6 +87,13 @@ class Scores:
             self.kept.append((*sides, self.groups.of_batch(batch).cpu()))  # type: ignore[arg-type]
         return judged
 
+    def _probe(self, feature: Float[Tensor, "b f"], batch: Batch) -> None:
+        """Adds pictures to the depth probe, which is fitted on every other group and tried on those between."""
+        if self.depth_probe is None:
+            self.depth_probe = DepthProbe(feature.shape[1]).to(feature.device)
+        fold = torch.from_numpy(np.unique(self.groups.of_rows)).to(batch.index.device)
+        self.depth_probe.update(feature, batch.scene.depth, torch.searchsorted(fold, self.groups.of_batch(batch)) % 2)
+
     def compute(self) -> dict[str, Tensor]:
         """Every figure by its name, such as `motion_fid/average`."""
         found: dict[str, Tensor] = {}
@@ -85,6 +101,8 @@ class Scores:
             found |= named(measure.name, measure.metric.compute())
         if self.depth_error.update_called:
             found |= named("depth_error", self.depth_error.compute())
+        if self.depth_probe is not None and self.depth_probe.can_tell:
+            found |= named("depth_probe", self.depth_probe.compute())
         return found | self._certainty()
 
     def sheet(self) -> dict[str, Any]:
