@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sag.skeleton import Skeleton
-from sag.viewer.assembly import asset, assembled, script_of
+from sag.viewer.assembly import assembled, asset, script_of
 from sag.viewer.body import links_of
 from sag.viewer.figures import COLUMNS, TOUCH
 from sag.viewer.packing import packed, packed_picture, packed_places, script_json

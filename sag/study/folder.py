@@ -1,0 +1,212 @@
+"""A study on disk: what raters are shown, and apart from it what only its owner may know.
+
+public/page.html       the page, without a session
+public/scenes/ID.json  a scene and its motions, under names that tell nothing
+private/study.json     the key, and which motion is whose
+private/answers.sqlite what raters answered
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from sag.errors import SagError
+from sag.files import write_json, write_whole
+from sag.study.design import Design, Item
+from sag.study.tokens import Signer
+
+FORMAT = 1
+"""Of the file `study.json`."""
+
+TRUTH = "ground_truth"
+"""What the recorded motion is called among methods."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a study is made of.
+
+    Attributes:
+        title: of the page.
+        data: name of the data set.
+        fingerprint: of its window cache.
+        fps: frames a second.
+        frames: of each motion.
+        methods: names, the ground truth's among them.
+        windows: of the data set, one for each scene.
+        rounds: motions of each scene that a rater sees.
+        repeats: motions that come again.
+        sampling_seed: of the motions that were drawn.
+        made: when, as ISO 8601.
+        version: of sag.
+    """
+
+    title: str
+    data: str
+    fingerprint: str
+    fps: float
+    frames: int
+    methods: tuple[str, ...]
+    windows: tuple[int, ...]
+    rounds: int
+    repeats: int
+    sampling_seed: int
+    made: str
+    version: str
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study that was made.
+
+    Attributes:
+        folder: where it lies.
+        settings: what it is made of.
+        key: that signs sessions and names motions.
+    """
+
+    folder: Path
+    settings: Settings
+    key: bytes
+
+    @property
+    def public(self) -> Path:
+        """Folder of what raters are shown."""
+        return self.folder / "public"
+
+    @property
+    def answers(self) -> Path:
+        """File of the answers."""
+        return self.folder / "private" / "answers.sqlite"
+
+    @cached_property
+    def signer(self) -> Signer:
+        """What signs."""
+        return Signer(self.key)
+
+    @cached_property
+    def name(self) -> str:
+        """What pages call the study, to tell it from others."""
+        return self.signer.identity("study")
+
+    @cached_property
+    def design(self) -> Design:
+        """Who is shown what when."""
+        made = self.settings
+        seed = self.signer.identity("order")
+        return Design(len(made.windows), len(made.methods), made.rounds, made.repeats, seed)
+
+    @cached_property
+    def scenes(self) -> list[str]:
+        """Names of the scenes."""
+        return [self.signer.identity("scene", str(place)) for place in range(len(self.settings.windows))]
+
+    @cached_property
+    def items(self) -> dict[str, Item]:
+        """Which motion each name stands for."""
+        made = self.settings
+        every = [Item(scene, method) for scene in range(len(made.windows)) for method in range(len(made.methods))]
+        return {self.item_name(item): item for item in every}
+
+    def item_name(self, item: Item) -> str:
+        """What pages call a motion."""
+        return self.signer.identity("motion", str(item.scene), str(item.method))
+
+    def session(self, number: int) -> list[str]:
+        """Names of the motions that a rater is shown, in order.
+
+        Args:
+            number: of the rater.
+        """
+        return [self.item_name(item) for item in self.design.session(number)]
+
+
+def check_new(folder: Path) -> None:
+    """Refuses to write over a study.
+
+    Raises:
+        SagError: the folder holds one.
+    """
+    if (folder / "private" / "study.json").exists():
+        raise SagError(f"{folder} holds a study already, maybe with answers; name another folder by --out")
+
+
+def new_study(folder: Path, settings: Settings, key: bytes | None = None) -> Study:
+    """A study to be filled, and written by `write_study`.
+
+    Args:
+        folder: where it is to lie.
+        settings: what it is made of.
+        key: that signs; a new one by default.
+
+    Raises:
+        SagError: there is a study already, or the settings cannot be shown.
+    """
+    check_new(folder)
+    study = Study(folder, settings, key or secrets.token_bytes(32))
+    study.design  # noqa: B018 - refuses what cannot be shown
+    return study
+
+
+def write_study(study: Study, page: str, scenes: Sequence[str]) -> None:
+    """Writes what raters are shown, and last the private file without which there is no study.
+
+    Args:
+        study: that these belong to.
+        page: the page without a session, as HTML.
+        scenes: each with its motions, as JSON that may stand in a page.
+    """
+    write_whole(study.public / "page.html", lambda file: file.write(page.encode()))
+    for name, text in zip(study.scenes, scenes):
+        write_whole(study.public / "scenes" / f"{name}.json", lambda file, text=text: file.write(text.encode()))
+    private = study.folder / "private"
+    private.mkdir(parents=True, exist_ok=True)
+    private.chmod(0o700)
+    with _only_ours():
+        write_json(private / "study.json", {"format": FORMAT, "key": study.key.hex(), **asdict(study.settings)})
+
+
+class _only_ours:
+    """What is written inside can be read by nobody else."""
+
+    def __enter__(self) -> None:
+        self.mask = os.umask(0o077)
+
+    def __exit__(self, *_: object) -> None:
+        os.umask(self.mask)
+
+
+def now() -> str:
+    """The time as ISO 8601, to the second, in UTC."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+def read_study(folder: Path) -> Study:
+    """The study in a folder.
+
+    Raises:
+        SagError: there is none, or its private file is damaged or of another version.
+    """
+    path = folder / "private" / "study.json"
+    if not path.is_file():
+        raise SagError(f"{folder} holds no study (private/study.json); make one by sag study make ... --out {folder}")
+    try:
+        content: dict[str, Any] = json.loads(path.read_text())
+        found = content.pop("format")
+        if found != FORMAT:
+            raise SagError(f"{path} is of format {found}, this sag reads {FORMAT}; use the sag that made the study")
+        key = bytes.fromhex(content.pop("key"))
+        lists = {name: tuple(content.pop(name)) for name in ("methods", "windows")}
+        return Study(folder, Settings(**content, **lists), key)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise SagError(
+            f"{path} cannot be read ({error!r}); restore it, since without it answers tell nothing"
+        ) from error
