@@ -70,7 +70,7 @@ def _serve(commands: argparse._SubParsersAction) -> None:
 def _files(commands: argparse._SubParsersAction) -> None:
     made = commands.add_parser(
         "files", help="pages without a server",
-        description="Enrols raters and writes an HTML file for each; the rater downloads the answers and sends them back.",
+        description="Enrols raters and writes an HTML file for each, from which answers come back as a file.",
     )  # fmt: skip
     made.add_argument("study", type=Path, metavar="DIR", help="folder that sag study make wrote")
     made.add_argument("--raters", type=int, required=True, metavar="N", help="how many files")

@@ -57,11 +57,9 @@ class Design:
             raise SagError("a study compares methods: name at least one run beside the ground truth")
         if not 1 <= self.rounds <= self.methods:
             raise SagError(f"--rounds is {self.rounds}; a scene can come 1 to {self.methods} times, once a method")
-        most = self.scenes * self.rounds // 4
-        if not 0 <= self.repeats <= most:
-            raise SagError(
-                f"--repeats is {self.repeats}; of {self.scenes * self.rounds} motions 0 to {most} may repeat"
-            )
+        once = self.scenes * self.rounds
+        if not 0 <= self.repeats <= once // 4:
+            raise SagError(f"--repeats is {self.repeats}; of {once} motions 0 to {once // 4} may come again")
 
     @property
     def turns(self) -> int:

@@ -164,14 +164,19 @@ def write_study(study: Study, page: str, scenes: Sequence[str]) -> None:
         page: the page without a session, as HTML.
         scenes: each with its motions, as JSON that may stand in a page.
     """
-    write_whole(study.public / "page.html", lambda file: file.write(page.encode()))
+    write_text(study.public / "page.html", page)
     for name, text in zip(study.scenes, scenes):
-        write_whole(study.public / "scenes" / f"{name}.json", lambda file, text=text: file.write(text.encode()))
+        write_text(study.public / "scenes" / f"{name}.json", text)
     private = study.folder / "private"
     private.mkdir(parents=True, exist_ok=True)
     private.chmod(0o700)
     with _only_ours():
         write_json(private / "study.json", {"format": FORMAT, "key": study.key.hex(), **asdict(study.settings)})
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes a text whole or not at all."""
+    write_whole(path, lambda file: file.write(text.encode()))
 
 
 class _only_ours:
@@ -204,8 +209,8 @@ def read_study(folder: Path) -> Study:
         if found != FORMAT:
             raise SagError(f"{path} is of format {found}, this sag reads {FORMAT}; use the sag that made the study")
         key = bytes.fromhex(content.pop("key"))
-        lists = {name: tuple(content.pop(name)) for name in ("methods", "windows")}
-        return Study(folder, Settings(**content, **lists), key)
+        content |= {name: tuple(content[name]) for name in ("methods", "windows")}
+        return Study(folder, Settings(**content), key)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise SagError(
             f"{path} cannot be read ({error!r}); restore it, since without it answers tell nothing"

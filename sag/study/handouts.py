@@ -7,9 +7,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from sag.errors import SagError
-from sag.files import write_whole
 from sag.study.answers import Answer, checked_answer
-from sag.study.folder import Study
+from sag.study.folder import Study, write_text
 from sag.study.sessions import all_scenes, page_for, session_of
 from sag.study.store import Rater, Store
 from sag.study.tokens import Forged
@@ -31,8 +30,7 @@ def write_handouts(study: Study, store: Store, count: int, folder: Path) -> list
     for _ in range(count):
         rater = store.enrol("file")
         paths.append(folder / f"study-{rater.name}.html")
-        text = page_for(study, session_of(study, rater), scenes)
-        write_whole(paths[-1], lambda file, text=text: file.write(text.encode()))
+        write_text(paths[-1], page_for(study, session_of(study, rater), scenes))
     return paths
 
 

@@ -60,7 +60,7 @@ def scene_text(study: Study, place: int, window: ShownWindow, joints: int) -> st
     check_windows([window], joints)
     motions = {row.name: row.motions[0] for row in window.rows}
     names = {item: study.settings.methods[which.method] for item, which in study.items.items() if which.scene == place}
-    shown = [motions[name] if name in motions else window.truth for _, name in sorted(names.items())]
+    shown = [motions.get(name, window.truth) for _, name in sorted(names.items())]
     blind = ShownWindow(
         name="",
         picture=window.picture,

@@ -13,7 +13,7 @@ from sag.study.folder import TRUTH
 from sag.study.opinions import opinion_of
 from sag.study.questions import HIGHEST, LOWEST, QUESTIONS, SCALE, Question
 from sag.study.ratings import Rating
-from sag.study.tables import label_of
+from sag.study.tables import label_of, printed_of
 
 OURS, REAL = "#0072B2", "#009E73"
 """Colours of methods and of the ground truth (Okabe and Ito)."""
@@ -54,9 +54,8 @@ def _panel(
 ) -> None:
     for place, method in enumerate(methods):
         axes.axhline(place, color=GRID, alpha=0.25, linewidth=0.8, zorder=0)
-        if method in paper:
-            printed = getattr(paper[method], question.name)[0]
-            axes.plot(printed, place, "D", markersize=7, markerfacecolor="none", markeredgecolor=INK, zorder=2)
+        if printed := printed_of(paper, method, question.name):
+            axes.plot(printed[0], place, "D", markersize=7, markerfacecolor="none", markeredgecolor=INK, zorder=2)
         found = opinion_of(ratings, method, question.name)
         if found:
             half = None if found.low is None or found.high is None else (found.high - found.low) / 2

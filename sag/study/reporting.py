@@ -33,10 +33,17 @@ from sag.study.tables import (
     changes_table,
     opinions_table,
     paper_cells,
+    printed_of,
     raters_table,
     shares_table,
 )
 from sag.text import plain
+
+OPINIONS_HEAD = (
+    "method", "question", "mean", "deviation", "low", "high", "answers", "raters", "paper_mean", "paper_deviation",
+)  # fmt: skip
+
+ANSWERS_HEAD = ("rater", "turn", "window", "method", "again", "scene", "human", "seconds", "plays")
 
 
 def report(asked: argparse.Namespace) -> int:
@@ -152,12 +159,10 @@ def _write(study: Study, told: Report, ratings: Sequence[Rating], out: Path) -> 
 
 def opinions_csv(ratings: Sequence[Rating], methods: Sequence[str], paper: dict[str, Opinion]) -> str:
     """Every figure of Table 5 with all its digits, a line for each method and question."""
-    lines: list[Sequence[object]] = [
-        ("method", "question", "mean", "deviation", "low", "high", "answers", "raters", "paper_mean", "paper_deviation")
-    ]
+    lines: list[Sequence[object]] = [OPINIONS_HEAD]
     for method in methods:
         for question in QUESTIONS:
-            printed = getattr(paper[method], question.name) if method in paper else ("", "")
+            printed = printed_of(paper, method, question.name) or ("", "")
             if found := opinion_of(ratings, method, question.name):
                 figures = (found.mean, found.deviation, found.low, found.high, found.answers, found.raters)
                 lines.append((method, question.name, *figures, *printed))
@@ -166,9 +171,7 @@ def opinions_csv(ratings: Sequence[Rating], methods: Sequence[str], paper: dict[
 
 def answers_csv(study: Study, ratings: Sequence[Rating]) -> str:
     """Every answer, no longer blind: for statistics of your own."""
-    lines: list[Sequence[object]] = [
-        ("rater", "turn", "window", "method", "again", "scene", "human", "seconds", "plays")
-    ]
+    lines: list[Sequence[object]] = [ANSWERS_HEAD]
     for rating in ratings:
         answer = rating.answer
         about = (rating.rater, answer.turn, study.settings.windows[rating.scene], rating.method, int(rating.again))

@@ -134,7 +134,7 @@ class Store:
         with self.lock:
             found = self.database.execute(query).fetchall()
         names = [question.name for question in QUESTIONS]
-        return [Answer(*row[:3], dict(zip(names, row[3:5])), *row[5:]) for row in found]
+        return [Answer(row[0], row[1], row[2], dict(zip(names, row[3:5])), row[5], row[6]) for row in found]
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from sag.report.columns import ALONE, Column, Group
+from sag.report.lines import without_seed
 from sag.report.neighbours import written_p
 from sag.report.paper import TABLE_5, Opinion
 from sag.report.statistics import Paired
@@ -28,7 +29,8 @@ SCALE_SAYS = f"Scores from {SCALE[0]} ({LOWEST}) to {SCALE[-1]} ({HIGHEST})."
 
 OPINIONS = (
     f"{SCALE_SAYS} Scene: does the motion fit the scene; human: do the movements of the body fit its path. Mean and "
-    "standard deviation of all scores, as in the paper's Table 5; 95 %: t-interval with raters as the unit. Bold: the best method. Motions that came again count once."
+    "standard deviation of all scores, as in the paper's Table 5; 95 %: t-interval with raters as the unit. Bold: the "
+    "best method. Motions that came again count once."
 )
 
 CHANGES = (
@@ -57,6 +59,12 @@ def paper_cells(data: str) -> dict[str, Opinion]:
     return TABLE_5["prox" if "prox" in data.lower() else "gta_im"]
 
 
+def printed_of(paper: dict[str, Opinion], method: str, question: Name) -> tuple[float, float] | None:
+    """The paper's mean and standard deviation of a method, whatever its seed, where it prints them."""
+    row = paper.get(without_seed(method))
+    return getattr(row, question) if row else None
+
+
 def label_of(method: str) -> str:
     """What a method is called in tables."""
     return LABELS.get(method, method.replace("_", " "))
@@ -74,7 +82,7 @@ def opinions_table(ratings: Sequence[Rating], methods: Sequence[str], paper: dic
         for question in QUESTIONS:
             found = opinion_of(ratings, method, question.name)
             looks: Look = "best" if method == best[question.name] else "plain"
-            printed = getattr(paper[method], question.name) if method in paper else None
+            printed = printed_of(paper, method, question.name)
             shown = NONE if found is None else _mean(found.mean, found.deviation)
             interval = NONE if found is None or found.low is None else f"[{found.low:.2f}, {found.high:.2f}]"
             cells += [Cell(shown, looks), Cell(interval), Cell(_mean(*printed) if printed else "", "paper")]
@@ -108,18 +116,12 @@ def changes_table(ratings: Sequence[Rating], methods: Sequence[str], paper: dict
         cells = [Cell(f"{label_of(before)} → {label_of(after)}", "label")]
         for question in QUESTIONS:
             found = change(ratings, before, after, question.name)
-            both = before in paper and after in paper
-            printed = (
-                f"{_printed(paper, after, question.name) - _printed(paper, before, question.name):+.2f}" if both else ""
-            )
-            cells += [_change(found), Cell(written_p(found.p if found else None)), Cell(printed, "paper")]
+            first, second = (printed_of(paper, method, question.name) for method in (before, after))
+            step = f"{second[0] - first[0]:+.2f}" if first and second else ""
+            cells += [_change(found), Cell(written_p(found.p if found else None)), Cell(step, "paper")]
         rows.append(TableRow("change", tuple(cells)))
     empty = all(cell.text == NONE for row in rows for cell in (row.cells[1], row.cells[4]))
     return None if empty else Table("Step by step, paired by rater", tuple(columns), tuple(rows), CHANGES)
-
-
-def _printed(paper: dict[str, Opinion], method: str, question: Name) -> float:
-    return getattr(paper[method], question)[0]
 
 
 def _change(found: Paired | None) -> Cell:
@@ -143,7 +145,7 @@ def agreement_table(ratings: Sequence[Rating]) -> Table | None:
             cells = (NONE if unknown else f"{found.alpha:.2f}", interval, f"{found.motions:,}")
             shares = (f"{100 * found.same:.0f} %", f"{100 * found.near:.0f} %")
             rows.append(TableRow("agreement", tuple(map(Cell, (question.title, *cells, *shares)))))
-    return Table("Do raters agree", columns, tuple(rows), AGREEMENT) if rows else None
+    return Table("Agreement of raters", columns, tuple(rows), AGREEMENT) if rows else None
 
 
 def shares_table(ratings: Sequence[Rating], methods: Sequence[str]) -> Table:
