@@ -120,7 +120,11 @@ class Tab:
 
     def open(self, path: Path) -> None:
         """Loads a file."""
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.visit(path.resolve().as_uri())
+
+    def visit(self, url: str) -> None:
+        """Loads an address."""
+        self.call("Page.navigate", url=url)
         self.until("document.readyState === 'complete'")
 
     def value(self, script: str) -> Any:
