@@ -52,7 +52,8 @@ def begin(tab: Tab, port: int) -> str:
 
 def shown(tab: Tab, turn: int = 0) -> None:
     """Waits until a motion is there to be scored."""
-    tab.until(f"window.sagStudy && sagStudy.turn === {turn} && sagStudy.clip.drawn > 0 && !sagStudy.clip.stale && !sagStudy.saving")
+    tab.until(f"window.sagStudy && sagStudy.turn === {turn} && !sagStudy.saving")
+    tab.until("sagStudy.clip.drawn > 0 && !sagStudy.clip.stale")
 
 
 def rate(tab: Tab, scene: int, human: int) -> None:
@@ -202,8 +203,8 @@ def test_it_fits_a_phone_without_scrolling(tab, small):
         assert tab.value("document.documentElement.scrollWidth") <= 375
         assert tab.value("document.getElementById('next').getBoundingClientRect().bottom") <= 667
         assert tab.value("document.getElementById('stage').clientHeight") >= 200
-        smallest = "Math.min(...[...document.querySelectorAll('.scale label')].map(one => Math.min(one.clientWidth, one.clientHeight)))"
-        assert tab.value(smallest) >= 40
+        sides = "[...document.querySelectorAll('.scale label')].flatMap(one => [one.clientWidth, one.clientHeight])"
+        assert min(tab.value(sides)) >= 40
     tab.size(800, 600)
 
 

@@ -1,6 +1,7 @@
 """Who sees what when: squares and sessions are balanced."""
 
 from collections import Counter
+from itertools import pairwise
 
 import pytest
 
@@ -14,7 +15,7 @@ def test_a_williams_square_is_latin_and_everything_follows_everything_equally_of
     assert len(rows) == count * (1 + count % 2)
     for place in range(count):
         assert set(Counter(row[place] for row in rows).values()) == {len(rows) // count}
-    follows = Counter(pair for row in rows for pair in zip(row, row[1:]))
+    follows = Counter(pair for row in rows for pair in pairwise(row))
     assert len(follows) == count * (count - 1) and len(set(follows.values())) == 1
 
 
@@ -28,7 +29,9 @@ def rounds(design: Design, rater: int) -> list[list[Item]]:
 def test_over_raters_every_method_comes_in_every_round_of_every_scene(scenes, methods):
     design = Design(scenes, methods, methods, 0, "seed")
     raters = len(williams(methods))
-    seen = Counter((place, item) for rater in range(raters) for place, one in enumerate(rounds(design, rater)) for item in one)
+    seen = Counter(
+        (place, item) for rater in range(raters) for place, one in enumerate(rounds(design, rater)) for item in one
+    )
     assert len(seen) == scenes * methods * methods and set(seen.values()) == {raters // methods}
 
 
@@ -37,7 +40,7 @@ def test_every_rater_sees_every_motion_once_and_no_scene_twice_in_a_row():
     for rater in range(12):
         items = design.session(rater)
         assert len(set(items)) == len(items) == 32
-        assert all(one.scene != other.scene for one, other in zip(items, items[1:]))
+        assert all(one.scene != other.scene for one, other in pairwise(items))
         for one in rounds(design, rater):
             assert sorted(item.scene for item in one) == list(range(8))
             assert set(Counter(item.method for item in one).values()) == {2}

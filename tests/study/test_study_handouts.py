@@ -64,7 +64,7 @@ def changed(session, **changes):
 
 
 FORGERIES = {
-    "scores": (lambda mine, other: {"answers": changed(mine, scores={"scene": 6, "human": 3})}, "an answer that cannot be one"),
+    "scores": (lambda mine, other: {"answers": changed(mine, scores={"scene": 6, "human": 3})}, "that cannot be one"),
     "turn": (lambda mine, other: {"answers": changed(mine, turn="0.forged")}, "is not signed by this study"),
     "rater": (lambda mine, other: {"rater": other["rater"]}, "is not signed by this study"),
     "no rater": (lambda mine, other: {"rater": None}, "is not signed by this study"),

@@ -2,6 +2,7 @@
 
 import math
 import statistics
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -55,8 +56,8 @@ def slow_alpha(rows) -> float:
         ends = (given.count(low) + given.count(high)) / 2
         return (sum(given.count(score) for score in range(low, high + 1)) - ends) ** 2 if low < high else 0.0
 
-    observed = sum(apart(a, b) / (len(unit) - 1) for unit in units for i, a in enumerate(unit) for j, b in enumerate(unit) if i != j)
-    expected = sum(apart(a, b) for i, a in enumerate(given) for j, b in enumerate(given) if i != j)
+    observed = sum(apart(*pair) / (len(unit) - 1) for unit in units for pair in permutations(unit, 2))
+    expected = sum(apart(*pair) for pair in permutations(given, 2))
     return 1 - (observed / len(given)) / (expected / (len(given) * (len(given) - 1)))
 
 
@@ -85,7 +86,7 @@ def test_shares_of_pairs_of_raters():
 def test_mean_and_deviation_are_of_all_scores_and_the_interval_of_raters():
     rows = [[5, 4, 4], [3, 3, 4], [2, 2, 4], [5, 5, 4]]
     found = opinion_of(table(rows), "m", "scene")
-    every, means = sum(rows, []), [statistics.fmean(row) for row in rows]
+    every, means = [score for row in rows for score in row], [statistics.fmean(row) for row in rows]
     assert (found.mean, found.deviation) == pytest.approx((statistics.fmean(every), statistics.stdev(every)))
     interval = stats.ttest_1samp(means, 0).confidence_interval(0.95)
     assert (found.low, found.high) == pytest.approx((interval.low, interval.high))
@@ -130,7 +131,11 @@ def test_changes_compare_raters_with_themselves():
 
 
 def test_raters_are_marked_for_what_makes_them_doubtful():
-    good = [rating(f"good {place}", "m", scene, 1 + (scene + place // 2) % 5, 1 + scene % 5) for place in range(3) for scene in range(10)]
+    good = [
+        rating(f"good {place}", "m", scene, 1 + (scene + place // 2) % 5, 1 + scene % 5)
+        for place in range(3)
+        for scene in range(10)
+    ]
     good += [rating("good 0", "m", 0, 1, 1, again=True)]
     flat = [rating("flat", "m", scene, 3) for scene in range(10)]
     hasty = [rating("hasty", "m", scene, 1 + scene % 5, 1 + scene % 5, seconds=0.4) for scene in range(10)]

@@ -6,7 +6,7 @@ import json
 import random
 
 import pytest
-from study_toys import inlined
+from study_toys import inlined, toy_study
 
 from sag.cli import main
 from sag.report.paper import TABLE_5
@@ -46,7 +46,9 @@ def test_table_5_with_the_papers_cells_beside(answered, capsys):
     text = told(answered)
     line = next(line for line in text.splitlines() if line.startswith("| mdpc"))
     cells = [cell.strip() for cell in line.strip("|").split("|")]
-    assert cells[:4] == ["mdpc (CSGN+M+G)", "**4.00 (0.00)**", "[4.00, 4.00]", "3.56 (0.72)"] and cells[6] == "3.53 (0.68)"
+    assert (
+        cells[:4] == ["mdpc (CSGN+M+G)", "**4.00 (0.00)**", "[4.00, 4.00]", "3.56 (0.72)"] and cells[6] == "3.53 (0.68)"
+    )
     assert next(line for line in text.splitlines() if line.startswith("| ground truth")).count("4.51 (0.49)") == 1
     assert "+1.00 [+1.00, +1.00]" in text and "Krippendorff" in text
     assert "1 of 4 raters have not answered everything" in text
@@ -96,8 +98,6 @@ def test_one_rater_is_no_interval(study):
 
 
 def test_methods_that_the_paper_has_not_stand_without_its_cells(tmp_path):
-    from study_toys import toy_study
-
     study = toy_study(tmp_path / "s", methods=("ours", "md-s1"), repeats=0, data="prox")
     store = Store(study.answers)
     for _ in range(2):
@@ -105,7 +105,9 @@ def test_methods_that_the_paper_has_not_stand_without_its_cells(tmp_path):
         for turn, item in enumerate(study.session(rater.number)):
             store.save(Answer(rater.name, turn, item, {"scene": 2, "human": 4}, 6.0, 1))
     text = told(study)
-    ours, seeded = (next(line for line in text.splitlines() if line.startswith(f"| {name}")) for name in ("ours", "md-s1"))
+    ours, seeded = (
+        next(line for line in text.splitlines() if line.startswith(f"| {name}")) for name in ("ours", "md-s1")
+    )
     assert "(" not in ours.replace("2.00 (0.00)", "").replace("4.00 (0.00)", "") and "3.12 (0.88)" in seeded
     assert "PROX" in text
 
@@ -125,8 +127,6 @@ def test_refuses(answered, tmp_path, made_study, capsys, options, said):
 
 
 def test_answers_of_another_study_are_refused(answered, tmp_path, capsys):
-    from study_toys import toy_study
-
     other = toy_study(tmp_path / "other")
     (other.folder / "private/answers.sqlite").write_bytes((answered.answers).read_bytes())
     assert main(["study", "report", str(other.folder)]) == 2

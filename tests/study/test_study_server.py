@@ -8,6 +8,7 @@ import socket
 import pytest
 from study_toys import Client, inlined, served, toy_study
 
+from sag.cli import main
 from sag.study.command import parser
 from sag.study.store import Store
 
@@ -54,7 +55,13 @@ def test_answers_are_kept_as_they_were_given(client, study):
     store = Store(study.answers)
     found = store.answers()
     assert [answer.item for answer in found] == study.session(store.raters()[found[0].rater].number)
-    assert [(answer.scores["scene"], answer.scores["human"]) for answer in found[:5]] == [(1, 5), (2, 4), (3, 3), (4, 2), (5, 1)]
+    assert [(answer.scores["scene"], answer.scores["human"]) for answer in found[:5]] == [
+        (1, 5),
+        (2, 4),
+        (3, 3),
+        (4, 2),
+        (5, 1),
+    ]
     assert [(answer.seconds, answer.plays) for answer in found[:2]] == [(2.25, 0), (3.25, 1)]
 
 
@@ -96,7 +103,8 @@ def test_forged_answers_are_refused(client, study, tmp_path):
     wrong += [token for token, *_ in other.session["turns"]]
     wrong += [f"{place}.{turns[0][0].partition('.')[2]}" for place in (1, 2, 99, -1)]
     assert {client.answer(token)[0] for token in wrong} == {403}
-    for session in (None, "", "x", f"{name}.", forged.session(name), client.rater[:-1], name + "0" + client.rater[len(name):]):
+    longer = name + "0" + client.rater[len(name) :]
+    for session in (None, "", "x", f"{name}.", forged.session(name), client.rater[:-1], longer):
         client.rater = session
         assert client.answer(turns[0][0])[0] == 403
     assert Store(study.answers).answers() == []
@@ -150,16 +158,20 @@ def test_a_connection_serves_many_requests(client):
 
 def test_what_cannot_be_saved_is_not_acknowledged(client, server, study, capsys):
     turns = client.session["turns"]
-    pages = server.store.database.execute("PRAGMA page_count").fetchone()[0]
-    server.store.database.execute(f"PRAGMA max_page_count={pages}")
-    server.store.database.execute("CREATE TEMP TRIGGER full BEFORE INSERT ON main.answers BEGIN SELECT RAISE(FAIL, 'full'); END")
+    refusing = "CREATE TEMP TRIGGER full BEFORE INSERT ON main.answers BEGIN SELECT RAISE(FAIL, 'full'); END"
+    server.store.database.execute(refusing)
     status, content = client.answer(turns[0][0])
     assert status == 503 and "tries again" in content["error"] and "could not be saved" in capsys.readouterr().err
     server.store.database.execute("DROP TRIGGER full")
-    server.store.database.execute("PRAGMA max_page_count=100000")
     assert client.answer(turns[0][0])[0] == 201
 
 
 def test_a_study_that_is_damaged_says_so(client, study):
     (study.public / "page.html").unlink()
     assert client.ask("GET", "/")[0] == 500
+
+
+def test_a_port_that_is_taken_is_named(client, study, capsys):
+    assert main(["study", "serve", str(study.folder), "--port", str(client.port)]) == 2
+    error = capsys.readouterr().err
+    assert f"--port {client.port} cannot be listened on" in error and error.count("\n") == 1

@@ -73,7 +73,12 @@ def test_a_full_disk_loses_nothing_that_was_kept(path):
 
 def test_raters_who_begin_at_once_have_numbers_of_their_own(path):
     stores = [Store(path) for _ in range(4)]
-    threads = [threading.Thread(target=lambda own: [own.enrol("server") for _ in range(10)], args=(own,)) for own in stores]
+
+    def enrol_ten(store: Store) -> None:
+        for _ in range(10):
+            store.enrol("server")
+
+    threads = [threading.Thread(target=enrol_ten, args=(store,)) for store in stores]
     for thread in threads:
         thread.start()
     for thread in threads:

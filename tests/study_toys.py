@@ -54,7 +54,9 @@ def served(study: Study) -> Iterator[StudyServer]:
 
 def inlined(page: str, name: str) -> Any:
     """A JSON element of a page."""
-    return json.loads(re.search(rf'<script id="{name}" type="application/json">(.*?)</script>', page, re.DOTALL).group(1))
+    return json.loads(
+        re.search(rf'<script id="{name}" type="application/json">(.*?)</script>', page, re.DOTALL).group(1)
+    )
 
 
 class Client:

@@ -1,6 +1,6 @@
 """Kills the server of a study again and again while raters answer: what it has acknowledged must be there.
 
-`make study-chaos` runs the long form and prints the counts; `test_study_crowd.py` runs a short one.
+`make study-chaos` runs the long form and prints the counts; `tests/study/test_study_crowd.py` runs a short one.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ import time
 from collections import Counter
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(Path(__file__).parent)]
-
 from study_toys import Client, toy_study
 
 from sag.study.folder import Study
 from sag.study.store import Store
+
+ROOT = Path(__file__).resolve().parent.parent
 
 UNREACHED = (OSError, http.client.HTTPException)
 """What a rater meets while the server is down."""
@@ -137,7 +136,9 @@ def lost(study: Study, answering: list[Answering], counts: Counter[str]) -> list
         name = rater.client.rater.partition(".")[0]
         wrong += [f"{name} has not ended"] if rater.is_alive() else []
         wrong += [f"lost: {name} {turn}" for turn in rater.acknowledged if (name, turn) not in found]
-        wrong += [f"not given: {name} {turn}" for turn, scores in rater.given.items() if found.get((name, turn)) != scores]
+        wrong += [
+            f"not given: {name} {turn}" for turn, scores in rater.given.items() if found.get((name, turn)) != scores
+        ]
     if len(found) != study.design.turns * len(answering):
         wrong.append(f"{len(found)} answers of {study.design.turns * len(answering)}")
     return wrong
