@@ -14,10 +14,11 @@ from typing import Any
 from viewer_windows import window
 
 from sag.skeleton import GTA_IM_19
-from sag.study.folder import TRUTH, Settings, Study, new_study
+from sag.study.folder import TRUTH, Settings, Study
 from sag.study.making import fill
 from sag.study.server import StudyServer
 from sag.study.store import Store
+from sag.study.writing import new_study
 
 METHODS = ("none", "md", "mdpc")
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from sag.errors import SagError
 from sag.study.answers import Answer, checked_answer
-from sag.study.folder import Study, write_text
+from sag.study.folder import Study
 from sag.study.sessions import all_scenes, page_for, session_of
 from sag.study.store import Rater, Store
 from sag.study.tokens import Forged
+from sag.study.writing import write_text
 
 LARGEST = 10_000_000
 """Bytes of a file of answers: far more than any has."""

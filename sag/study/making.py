@@ -12,8 +12,9 @@ from sag.files import writing_in
 from sag.runs import CONFIG
 from sag.skeleton import Skeleton
 from sag.sources import Sources, read_sources
-from sag.study.folder import TRUTH, Settings, Study, check_new, new_study, now, write_study
+from sag.study.folder import TRUTH, Settings, Study, now
 from sag.study.pages import scene_text, study_page
+from sag.study.writing import check_new, new_study, write_study
 from sag.text import plain
 from sag.types import FRAMES
 from sag.viewer import ShownWindow, shown_window
