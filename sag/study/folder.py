@@ -26,6 +26,10 @@ TRUTH = "ground_truth"
 """What the recorded motion is called among methods."""
 
 
+PAUSE = 7.0
+"""Seconds that a rater takes for a motion beside looking at it, as an estimate."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """What a study is made of.
@@ -99,6 +103,11 @@ class Study:
         made = self.settings
         seed = self.signer.identity("order")
         return Design(len(made.windows), len(made.methods), made.rounds, made.repeats, seed)
+
+    @property
+    def minutes(self) -> int:
+        """How long a rater takes, about."""
+        return max(1, round(self.design.turns * (self.settings.frames / self.settings.fps + PAUSE) / 60))
 
     @cached_property
     def scenes(self) -> list[str]:

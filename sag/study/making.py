@@ -27,9 +27,6 @@ USUAL_REPEATS = 4
 SEEDS_APART = 1_000_003
 """More than a data set has windows."""
 
-PAUSE = 7.0
-"""Seconds that a rater takes for a motion beside looking at it, for the estimate that is printed."""
-
 
 def make(asked: argparse.Namespace) -> int:
     """Makes the study and says what is in it; returns the exit status 0.
@@ -114,9 +111,8 @@ def _note(path: Path | None) -> str:
 
 def _say(study: Study) -> None:
     made, design = study.settings, study.design
-    minutes = design.turns * (made.frames / made.fps + PAUSE) / 60
     print(f"{len(made.windows)} scenes of {made.data}, each with {', '.join(made.methods)}")
-    print(f"{design.turns} motions for each rater, {design.repeats} of them twice seen: about {minutes:.0f} minutes")
+    print(f"{design.turns} motions for each rater, {design.repeats} of them twice seen: about {study.minutes} min")
     print(f"orders are balanced over every {_cycle(len(made.methods))} raters")
     folder = plain(str(study.folder))
     print(f"the study is in {folder}: sag study serve {folder}, or sag study files {folder} --raters N")

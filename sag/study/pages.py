@@ -28,7 +28,7 @@ def study_page(study: Study, skeleton: Skeleton, note: str = "") -> str:
     about = {
         "name": study.name,
         "turns": study.design.turns,
-        "seconds": made.frames / made.fps,
+        "minutes": study.minutes,
         "scale": list(SCALE),
         "ends": [LOWEST, HIGHEST],
         "questions": [{"name": one.name, "asked": one.asked, "hint": one.hint} for one in QUESTIONS],

@@ -157,8 +157,8 @@ def shares_table(ratings: Sequence[Rating], methods: Sequence[str]) -> Table:
         cells = [Cell(label_of(method), "label")]
         for question in QUESTIONS:
             found = opinion_of(ratings, method, question.name)
-            cells += [Cell(f"{100 * count / found.answers:.0f}" if found else NONE) for count in
-                      (found.counts if found else SCALE)]  # fmt: skip
+            shares = [f"{100 * count / found.answers:.0f}" for count in found.counts] if found else [NONE] * len(SCALE)
+            cells += map(Cell, shares)
         rows.append(TableRow(_kind(method), tuple(cells)))
     return Table("How often each score was given", tuple(columns), tuple(rows), SHARES)
 

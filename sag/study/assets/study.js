@@ -28,9 +28,8 @@ class Study {
       element('li', {}, element('b', { textContent: question.asked }), ` ${question.hint}`)));
     byId('lowest').textContent = told.ends[0];
     byId('highest').textContent = told.ends[1];
-    const minutes = Math.max(1, Math.round((told.turns * (told.seconds + 7)) / 60));
-    byId('length').textContent = `There are ${told.turns} motions, which takes about ${minutes} minute` +
-      `${minutes > 1 ? 's' : ''}. You can stop at any time and go on later where you were: ` +
+    byId('length').textContent = `There are ${told.turns} motions, which takes about ${told.minutes} minute` +
+      `${told.minutes > 1 ? 's' : ''}. You can stop at any time and go on later where you were: ` +
       (this.isFile ? 'this file remembers, in this browser.' : 'the address of the next page is yours alone.');
     if (this.clip.missing) this.refuse();
     else if (!this.session && storage.of.getItem(`sag-study-${told.name}`)) this.recall();
