@@ -20,6 +20,7 @@ TOOLS = {
     "extend": "samples motions of any length from a trained run",
     "export": "motions of a file as BVH and animated glTF for Blender and others",
     "view": "motions in their scenes as one HTML file for any browser",
+    "study": "the paper's user study (Table 5): people score motions without knowing whose they are",
 }
 """Subcommands that do not train, with what they do."""
 
@@ -78,6 +79,8 @@ def _tool(name: str) -> Callable[[list[str]], int]:
         from sag.exporting import main as tool
     elif name == "view":
         from sag.view import main as tool
+    elif name == "study":
+        from sag.study import main as tool
     else:
         from sag.report import main as tool
     return tool

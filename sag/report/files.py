@@ -38,7 +38,7 @@ def write_report(lines: Sequence[Line], title: str, out: Path) -> tuple[Report, 
         (out / "statistics.csv").write_text(statistics, encoding="utf-8")
         names.append("statistics.csv")
     for name, canvas in {"plot": plot, **letters}.items():
-        _draw(canvas, out, name)
+        draw(canvas, out, name)
         names.append(f"{name}.png, .svg")
     return report, "; ".join(names)
 
@@ -54,7 +54,8 @@ def _letters(evidence: Sequence[Evidence], title: str) -> dict[str, Any]:
     return plots
 
 
-def _draw(canvas: Any, out: Path, name: str) -> None:
+def draw(canvas: Any, out: Path, name: str) -> None:
+    """Writes a matplotlib figure as .png and .svg."""
     with matplotlib.rc_context(STYLE):
         canvas.savefig(out / f"{name}.png", dpi=160)
         canvas.savefig(out / f"{name}.svg", metadata=NO_METADATA)

@@ -18,13 +18,16 @@ from sag.viewer.figures import figures_of, touched_points
 from sag.viewer.shown import ShownMotion, ShownRow, ShownScene, ShownWindow
 
 
-def shown_window(data: MotionDataModule, batch: Batch, motions: Mapping[str, Float[Tensor, "k t j 3"]]) -> ShownWindow:
+def shown_window(
+    data: MotionDataModule, batch: Batch, motions: Mapping[str, Float[Tensor, "k t j 3"]], judge: bool = True
+) -> ShownWindow:
     """A test window with its scene, the recorded motion and those of each row, judged.
 
     Args:
         data: where the window comes from.
         batch: the window alone, with its depth cloud where the data set has one.
         motions: of each row by its name, metres, camera frame of frame 0.
+        judge: off leaves figures and touched points out.
 
     Raises:
         SagError: not one window, or the motions are not of 65 frames and finite.
@@ -44,10 +47,10 @@ def shown_window(data: MotionDataModule, batch: Batch, motions: Mapping[str, Flo
         intrinsics=intrinsics,
         person=batch.scene.person[0].cpu().numpy(),
         rows=tuple(
-            ShownRow(name, tuple(_motion(_judged(data, batch, joints)) for joints in samples))
+            ShownRow(name, tuple(_motion(_judged(data, batch, joints), judge) for joints in samples))
             for name, samples in motions.items()
         ),
-        truth=_motion(truth, off=False),
+        truth=_motion(truth, judge, off=False),
         scene=_scene(batch),
         up=tuple(pose[:3, 2].tolist()),
         floor=level + float(pose[:3, 2] @ pose[:3, 3]),
@@ -58,7 +61,9 @@ def _judged(data: MotionDataModule, batch: Batch, joints: Float[Tensor, "t j 3"]
     return Judged(batch, joints[None, None].to(batch.motion.start), data, None)
 
 
-def _motion(judged: Judged, off: bool = True) -> ShownMotion:
+def _motion(judged: Judged, judge: bool, off: bool = True) -> ShownMotion:
+    if not judge:
+        return ShownMotion(judged.joints[0].cpu().numpy())
     figures = figures_of(judged)
     if not off:
         del figures["off"]
