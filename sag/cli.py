@@ -17,8 +17,10 @@ TOOLS = {
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
+    "sample": "motions from your own photograph or a window, as files and films",
+    "figure": "strips of poses in one picture, the same scenes over runs (the paper's Figures 1, 4, 8)",
     "extend": "samples motions of any length from a trained run",
-    "export": "motions of a file as BVH and animated glTF for Blender and others",
+    "export": "motions of a file as BVH, animated glTF, films and more",
     "view": "motions in their scenes as one HTML file for any browser",
 }
 """Subcommands that do not train, with what they do."""
@@ -72,6 +74,10 @@ def _tool(name: str) -> Callable[[list[str]], int]:
         from sag.sweep import main as tool
     elif name == "figure7":
         from sag.figure7 import main as tool
+    elif name == "sample":
+        from sag.sample import main as tool
+    elif name == "figure":
+        from sag.strips import main as tool
     elif name == "extend":
         from sag.extend import main as tool
     elif name == "export":

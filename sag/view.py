@@ -109,7 +109,7 @@ def _sources(asked: argparse.Namespace) -> Sources:
     folders = [path for path in asked.sources if path not in paths]
     if missing := [path for path in asked.sources if not path.exists()]:
         raise SagError(f"{missing[0]} does not exist; name the folder of a run or sweep, or a .npz of motions")
-    files = {_name(path): read_motions(path) for path in paths}
+    files = {_name(path): read_motions(path, frames=None) for path in paths}
     runs = read_runs(folders, asked.cache_dir) if folders else []
     names = [run.name for run in runs] + [_name(path) for path in paths]
     if twice := [name for name in names if names.count(name) > 1]:
