@@ -106,7 +106,14 @@ class Source:
         """
         if self.data is None:
             raise SagError(f"--scene: {self.motions.path} does not tell its data set; name it by --reference")
-        return surface_of(self.data, window).stood_up(self.upright(window))
+        if window not in self._surfaces:  # the samples of a window share it
+            self._surfaces.clear()
+            self._surfaces[window] = surface_of(self.data, window).stood_up(self.upright(window))
+        return self._surfaces[window]
+
+    @cached_property
+    def _surfaces(self) -> dict[int, Surface]:
+        return {}
 
     def view(self, window: int) -> View:
         """The camera, which sees at least what the picture shows: one of glTF cannot look past its middle."""
