@@ -67,7 +67,7 @@ def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Ru
     """
     if cache_dir is not None and not cache_dir.is_dir():
         raise SagError(f"--cache-dir {cache_dir} is no folder; name the one that holds the window caches")
-    places = [place for folder in folders for place in _places(folder)]
+    places = [place for folder in folders for place in run_places(folder)]
     names = [place.resolve().name for place in places]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -113,7 +113,7 @@ def run_folder(place: Path) -> Path:
     return folder
 
 
-def _places(folder: Path) -> list[Path]:
+def run_places(folder: Path) -> list[Path]:
     """The folder itself, or the finished rows in it: those with figures and a checkpoint."""
     if (folder / CONFIG).is_file():
         return [folder]

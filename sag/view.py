@@ -12,9 +12,10 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from sag.data.base import MotionDataModule, Windows
+from sag.data.base import MotionDataModule
 from sag.data.known import DATA_SETS
 from sag.data.motion_file import MotionFile, read_motions
+from sag.data.selection import chosen_windows, windows_at
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
 from sag.references import BESIDE, config_beside, data_of
@@ -138,25 +139,10 @@ def _reference(asked: argparse.Namespace, paths: Sequence[Path]) -> str:
 
 def _batches(sources: Sources, asked: argparse.Namespace) -> list[Batch]:
     """The windows asked for, one by one, with their depth clouds where the data set has them."""
-    places = sources.places
-    if asked.window is not None:
-        chosen = list(dict.fromkeys(asked.window))
-        if unknown := [place for place in chosen if place not in set(places)]:
-            near = min(places, key=lambda place: abs(place - unknown[0]), default="none at all")
-            raise SagError(
-                f"--window {unknown[0]} is no test window of {sources.data.name} that these sources have; the nearest "
-                f"is {near}"
-            )
-    elif not 1 <= asked.windows <= len(places):
-        raise SagError(f"--windows is {asked.windows}, and there are {len(places)} test windows in these sources")
-    else:
-        # The middle of equal stretches, so that one window is not always the first.
-        chosen = [places[int((turn + 0.5) * len(places) / asked.windows)] for turn in range(asked.windows)]
-    cache = sources.data.cache
-    order = {place: turn for turn, place in enumerate(cache.rows("test").tolist())}
-    clouds = bool((cache.cloud_row[chosen] >= 0).all())
-    windows = Windows(cache, "test", sources.data.skeleton, with_cloud=clouds)
-    return [windows[order[place]] for place in chosen]
+    whose = f"of {sources.data.name} that these sources have"
+    chosen = chosen_windows(sources.places, asked.window, asked.windows, whose)
+    batch = windows_at(sources.data, "test", chosen, with_cloud=True)
+    return [batch[[place]] for place in range(len(batch))]
 
 
 def _window(sources: Sources, batch: Batch, asked: argparse.Namespace) -> ShownWindow:

@@ -200,9 +200,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         """
         return np.asarray(self.cache.image[window])
 
-    def picture_with_camera(
-        self, window: int
-    ) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
+    def picture_with_camera(self, window: int) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
         """`picture`, and the camera matrix in its pixels.
 
         Args:

@@ -164,9 +164,9 @@ class Canvas:
         classes = 2.0 ** np.ceil(np.log2(radii))  # one radius bounds many, so that few calls do
         for radius in np.unique(classes).tolist():
             members = np.flatnonzero(classes == radius)
-            ends = (torch.from_numpy(np.stack([self.solids[one][end] for one in members])) for end in (0, 1))
+            starts, ends = (torch.from_numpy(np.stack([self.solids[one][end] for one in members])) for end in (0, 1))
             matrix = torch.from_numpy(self.fine.intrinsics)
-            boxes[members] = footprints(*ends, radius, matrix, self.fine.size).numpy()
+            boxes[members] = footprints(starts, ends, radius, matrix, self.fine.size).numpy()
         return boxes
 
 
@@ -194,4 +194,5 @@ def _hidden(drawn: Drawn, hiding: Float[np.ndarray, "h w"] | None) -> Bool[np.nd
 
 def _coarse(values: Float[np.ndarray, "r c k"]) -> Float[np.ndarray, "h w k"]:
     """Mean over the fine pixels of each of the picture."""
-    return sum(values[row::SHARPER, column::SHARPER] for row in range(SHARPER) for column in range(SHARPER)) / SHARPER**2
+    rows, columns, count = values.shape
+    return values.reshape(rows // SHARPER, SHARPER, columns // SHARPER, SHARPER, count).mean(axis=(1, 3))

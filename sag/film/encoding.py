@@ -59,7 +59,9 @@ def _write_mp4(path: Path, frames: Iterator[Frame], fps: float) -> None:
     try:
         import imageio_ffmpeg
     except ImportError as error:
-        raise SagError(f"{path} needs ffmpeg: pip install imageio-ffmpeg (the extra `video`), or name a .gif") from error
+        raise SagError(
+            f"{path} needs ffmpeg: pip install imageio-ffmpeg (the extra `video`), or name a .gif"
+        ) from error
     first = next(frames)
     partial = path.with_name(f".{path.stem}.{os.getpid()}.mp4")
     writer = imageio_ffmpeg.write_frames(

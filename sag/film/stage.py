@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,6 +87,7 @@ def stage_of(
     upright: Upright,
     data: MotionDataModule | None = None,
     window: int = 0,
+    with_surface: bool = True,
 ) -> Stage:
     """Motions with what their data set knows of the place.
 
@@ -96,13 +98,14 @@ def stage_of(
         upright: which way is up, and where the floor is.
         data: where the window comes from, if that is known.
         window: its place in the data set.
+        with_surface: whether the place is needed, and not the picture alone.
     """
     joints = joints.astype(np.float64)
     if data is None:
         return Stage(joints, skeleton, fps, upright)
     picture, intrinsics = data.picture_with_camera(window)
-    try:
-        surface = surface_of(data, window)
-    except SagError:  # its depth is not known
-        surface = None
+    surface = None
+    if with_surface:
+        with suppress(SagError):  # its depth is not known
+            surface = surface_of(data, window, (picture, intrinsics))
     return Stage(joints, skeleton, fps, upright, picture, intrinsics, surface, data.recorded)

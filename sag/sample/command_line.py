@@ -11,8 +11,8 @@ from typing import Any
 import torch
 import yaml
 
-from sag.data.motion_file import MotionFile, write_motions
 from sag.data.known import DATA_SETS
+from sag.data.motion_file import MotionFile, write_motions
 from sag.errors import SagError
 from sag.exporting import main as export
 from sag.exporting.formats import FORMATS
@@ -46,7 +46,9 @@ def parser() -> argparse.ArgumentParser:
         help="folder of a trained run, or a .ckpt file in it (default: the run that ships with sag)",
     )  # fmt: skip
     made.add_argument("--samples", type=int, default=5, metavar="K", help="motions of each window (default: 5)")
-    made.add_argument("--frames", type=int, default=65, metavar="N", help="of each, the given one included (default: 65)")
+    made.add_argument(
+        "--frames", type=int, default=65, metavar="N", help="of each, the given one included (default: 65)"
+    )
     made.add_argument("--overlap", type=int, default=8, metavar="O", help="frames shared beyond 65, as in sag extend")
     made.add_argument("--seed", type=int, default=0, metavar="S", help="of what is drawn (default: 0)")
     made.add_argument("--output", type=Path, default=Path("samples"), metavar="DIR", help="folder (default: samples)")

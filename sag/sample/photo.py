@@ -44,7 +44,9 @@ def add_photo_options(group: Any) -> None:
     group.add_argument(
         "--facing", metavar="WAY", help=f"{', '.join(FACINGS)}, or degrees to the right of away (default: away)"
     )
-    group.add_argument("--pose", type=Path, metavar="FILE.npz", help="first pose (default: a person of 1.75 m who stands)")
+    group.add_argument(
+        "--pose", type=Path, metavar="FILE.npz", help="first pose (default: a person of 1.75 m who stands)"
+    )
 
 
 def check_photo_options(asked: argparse.Namespace) -> None:
@@ -130,9 +132,7 @@ def _depth(run: Run, data: PhotoDataModule) -> Float[Tensor, "h w"] | None:
 
 def _middle(depth: Float[Tensor, "h w"]) -> float:
     """Depth at the centre, metres, where methods see the person in training."""
-    (top, bottom), (left, right) = (
-        (int(n * (1 - MIDDLE) / 2), -int(-n * (1 + MIDDLE) // 2)) for n in depth.shape
-    )
+    (top, bottom), (left, right) = ((int(n * (1 - MIDDLE) / 2), -int(-n * (1 + MIDDLE) // 2)) for n in depth.shape)
     return float(depth[top:bottom, left:right].median())
 
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from sag.data.base import MotionDataModule, Windows
-from sag.errors import SagError
+from sag.data.base import MotionDataModule
+from sag.data.selection import chosen_windows, windows_at
 from sag.references import data_from, data_reference
 from sag.runs import CONFIG, Run, run_folder
 from sag.types import Batch
@@ -58,30 +58,17 @@ def window_source(run: Run, place: Path, asked: argparse.Namespace) -> WindowSou
         SagError: the data set does not fit the run, or a window is none of its test windows.
     """
     reference = data_reference(asked.reference or str(run_folder(place) / CONFIG))
-    told = {"skeleton": run.method.skeleton.reference, "image_size": list(run.data.image_size)} if asked.reference else {}
+    told = (
+        {"skeleton": run.method.skeleton.reference, "image_size": list(run.data.image_size)} if asked.reference else {}
+    )
     options = {**(reference.get("init_args") or {}), **told}
     options["cache_dir"] = str((asked.cache_dir or Path(options.get("cache_dir", "data"))).resolve())
     reference = {"class_path": reference["class_path"], "init_args": options}
     data = data_from(reference, asked.reference or str(place))
-    chosen = chosen_windows(data, asked)
-    clouds = bool((data.cache.cloud_row[chosen] >= 0).all())
-    windows = Windows(data.cache, "test", data.skeleton, with_cloud=clouds)
-    order = {int(window): turn for turn, window in enumerate(windows.rows)}
-    batches = [windows[order[window]] for window in chosen]
+    known = data.cache.rows("test").tolist()
+    chosen = chosen_windows(known, asked.window, 1 if asked.windows is None else asked.windows, f"of {data.name}")
+    batch = windows_at(data, "test", chosen)
+    batches = [batch[[place]] for place in range(len(batch))]
     names = ", ".join(map(str, chosen[:4])) + (" and more" if len(chosen) > 4 else "")
     depth = all(bool((batch.scene.depth > 0).any()) for batch in batches)
     return WindowSource(data, reference, batches, f"test window{'s' * (len(chosen) > 1)} {names} of {data.name}", depth)
-
-
-def chosen_windows(data: MotionDataModule, asked: argparse.Namespace) -> list[int]:
-    """Places of the test windows that are asked for: these, or so many of them, each the middle of a stretch."""
-    known = data.cache.rows("test").tolist()
-    if asked.window is not None:
-        if unknown := [window for window in asked.window if window not in set(known)]:
-            near = min(known, key=lambda window: abs(window - unknown[0]))
-            raise SagError(f"--window {unknown[0]} is no test window of {data.name}; the nearest is {near}")
-        return list(dict.fromkeys(asked.window))
-    count = 1 if asked.windows is None else asked.windows
-    if not 1 <= count <= len(known):
-        raise SagError(f"--windows is {count}, and {data.name} has {len(known)} test windows")
-    return [known[int((turn + 0.5) * len(known) / count)] for turn in range(count)]

@@ -56,9 +56,7 @@ class PhotoDataModule(MotionDataModule):
         with Image.open(self.cache.folder / KEPT, formats=("JPEG",)) as kept:
             return np.asarray(kept.convert("RGB"))
 
-    def picture_with_camera(
-        self, window: int
-    ) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
+    def picture_with_camera(self, window: int) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
         """The whole photograph, and the camera matrix in its pixels."""
         return self.picture(window), np.array(self.cache.index["recipe"]["camera"])
 

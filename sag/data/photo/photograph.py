@@ -84,14 +84,20 @@ def read_photograph(path: Path) -> Photograph:
     try:
         picture = Image.open(io.BytesIO(content), formats=FORMATS)
     except Exception as error:  # a damaged header can raise anything
-        raise SagError(f"{path} is no {', '.join(FORMATS[:-1])} or {FORMATS[-1]} picture; convert it to JPEG") from error
+        raise SagError(
+            f"{path} is no {', '.join(FORMATS[:-1])} or {FORMATS[-1]} picture; convert it to JPEG"
+        ) from error
     if picture.width * picture.height > PIXEL_LIMIT:
-        raise SagError(f"{path} is {picture.width} x {picture.height} pixels, more than {PIXEL_LIMIT:,}; make it smaller")
+        raise SagError(
+            f"{path} is {picture.width} x {picture.height} pixels, more than {PIXEL_LIMIT:,}; make it smaller"
+        )
     try:
         focal = _focal(picture)
         colour = np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
     except Exception as error:  # damaged pixels and tags can raise anything
-        raise SagError(f"{path} is damaged ({str(error) or type(error).__name__}); restore the original file") from error
+        raise SagError(
+            f"{path} is damaged ({str(error) or type(error).__name__}); restore the original file"
+        ) from error
     return Photograph(path, colour, focal)
 
 

@@ -45,7 +45,9 @@ class Place:
         if not NEAREST <= self.distance <= FARTHEST:
             raise SagError(f"--distance is {self.distance:g}; a person can stand {NEAREST:g} to {FARTHEST:g} m away")
         if not abs(self.pitch) <= STEEPEST:
-            raise SagError(f"--pitch is {self.pitch:g}; a camera can look down by {-STEEPEST:g} to {STEEPEST:g} degrees")
+            raise SagError(
+                f"--pitch is {self.pitch:g}; a camera can look down by {-STEEPEST:g} to {STEEPEST:g} degrees"
+            )
         if not math.isfinite(self.facing):
             raise SagError(f"--facing is {self.facing:g}; give {', '.join(FACINGS)} or degrees")
 

@@ -39,7 +39,9 @@ def standing_pose(skeleton: Skeleton) -> Float[np.ndarray, "j 3"]:
         known[f"left_{name}"], known[f"right_{name}"] = np.array(place), np.array(place) * [1, -1, 1]
     unknown = [name for name in skeleton.joints if name not in known]
     if unknown:
-        raise SagError(f"how {skeleton.name} stands is not known ({unknown[0]}); give the first pose by --pose FILE.npz")
+        raise SagError(
+            f"how {skeleton.name} stands is not known ({unknown[0]}); give the first pose by --pose FILE.npz"
+        )
     return np.stack([known[name] for name in skeleton.joints])
 
 
