@@ -86,8 +86,8 @@ def test_without_the_data_set_up_is_said_to_be_the_cameras(file, capsys):
 
 
 REFUSALS = {
-    "suffix": (["--to", "{}/out.fbx"], "out.fbx must be a path in .bvh or .glb"),
-    "format": (["--to", "out.bvh", "--output", "{}"], "--to out.bvh must be bvh or glb alone"),
+    "suffix": (["--to", "{}/out.fbx"], "out.fbx must be a path in .bvh, .glb, .mp4, .gif or .rrd"),
+    "format": (["--to", "out.bvh", "--output", "{}"], "--to out.bvh must be bvh, glb, mp4, gif or rrd alone"),
     "all": (["--to", "bvh", "--all"], "name their folder by --output"),
     "window": (["--to", "{}/out.bvh", "--window", "3"], "--window 3 is not in"),
     "sample": (["--to", "{}/out.bvh", "--sample", "3"], "--sample is 3"),
