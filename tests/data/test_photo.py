@@ -12,7 +12,7 @@ from sag.data.base import Windows
 from sag.data.photo import PhotoDataModule, Place, read_photograph, read_pose, standing_pose, write_photo
 from sag.errors import SagError
 from sag.geometry.camera import project, to_world
-from sag.skeleton import GTA_IM_19, PROX_16
+from sag.skeleton import GTA_IM_19, PROX_16, Skeleton
 
 SIZE = (240, 400)
 """Rows and columns."""
@@ -156,3 +156,13 @@ def test_poses_come_from_files(tmp_path):
             read_pose(tmp_path / "wrong.npz", GTA_IM_19)
     with pytest.raises(SagError, match="cannot be read"):
         read_pose(tmp_path / "none.npz", GTA_IM_19)
+
+
+def test_skeletons_whose_joints_have_other_names_need_a_pose():
+    names = ("pelvis", "right_ankle", "left_ankle")
+    groups = {"body": names}
+    odd = Skeleton(
+        "odd", names, (("pelvis", "right_ankle"), ("pelvis", "left_ankle")), "pelvis", groups, {"all": ("body",)}
+    )
+    with pytest.raises(SagError, match=r"how odd stands is not known \(pelvis\); give the first pose by --pose"):
+        standing_pose(odd)
