@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,8 +11,9 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from sag.data.base import MotionDataModule, Windows
+from sag.data.base import MotionDataModule
 from sag.data.motion_file import MotionFile, read_motions
+from sag.data.selection import windows_at
 from sag.errors import SagError
 from sag.references import config_beside, data_of
 from sag.runs import Run, read_runs
@@ -49,44 +50,14 @@ class Sources:
         known = self.data.cache.rows("test").tolist()
         return [place for place in known if all(place in rows for rows in self.rows.values())]
 
-    def spread(self, count: int) -> list[int]:
-        """So many of the windows, evenly spread over all of them.
-
-        Raises:
-            SagError: there are fewer.
-        """
-        places = self.places
-        if not 1 <= count <= len(places):
-            raise SagError(f"--windows is {count}, and there are {len(places)} test windows in these sources")
-        # The middle of equal stretches, so that one window is not always the first.
-        return [places[int((turn + 0.5) * len(places) / count)] for turn in range(count)]
-
-    def named(self, chosen: Iterable[int]) -> list[int]:
-        """These windows, each once.
-
-        Raises:
-            SagError: one is no test window, or a file has not got it.
-        """
-        places, chosen = self.places, list(dict.fromkeys(chosen))
-        if unknown := [place for place in chosen if place not in set(places)]:
-            near = min(places, key=lambda place: abs(place - unknown[0]), default="none at all")
-            raise SagError(
-                f"--window {unknown[0]} is no test window of {self.data.name} that these sources have; the nearest "
-                f"is {near}"
-            )
-        return chosen
-
     def batches(self, places: Sequence[int]) -> list[Batch]:
         """Windows one by one, with their depth clouds where the data set has them.
 
         Args:
             places: of the windows in the data set.
         """
-        cache = self.data.cache
-        order = {place: turn for turn, place in enumerate(cache.rows("test").tolist())}
-        clouds = bool((cache.cloud_row[list(places)] >= 0).all())
-        windows = Windows(cache, "test", self.data.skeleton, with_cloud=clouds)
-        return [windows[order[place]] for place in places]
+        batch = windows_at(self.data, "test", places, with_cloud=True)
+        return [batch[[turn]] for turn in range(len(batch))]
 
     def motions(self, batch: Batch, samples: int, seed: int) -> dict[str, Float[Tensor, "k t j 3"]]:
         """Motions of each row that continue a window, metres, camera frame of frame 0.
@@ -103,13 +74,16 @@ class Sources:
         return rows
 
 
-def read_sources(paths: Sequence[Path], reference: str | None = None, cache_dir: Path | None = None) -> Sources:
+def read_sources(
+    paths: Sequence[Path], reference: str | None = None, cache_dir: Path | None = None, frames: int | None = None
+) -> Sources:
     """Runs, sweeps and files of motions that have the same windows.
 
     Args:
         paths: folders of runs and of sweeps, and `.npz` of motions.
         reference: what tells the data set, where not the runs or a config beside a file are to; see `data_of`.
         cache_dir: where the window caches are, if they were moved.
+        frames: of every motion of a file; any number when left out.
 
     Raises:
         SagError: one cannot be read, two have one name, or they have not the same windows.
@@ -118,7 +92,7 @@ def read_sources(paths: Sequence[Path], reference: str | None = None, cache_dir:
     folders = [path for path in paths if path not in files]
     if missing := [path for path in paths if not path.exists()]:
         raise SagError(f"{missing[0]} does not exist; name the folder of a run or sweep, or a .npz of motions")
-    motions = {_name(path): read_motions(path) for path in files}
+    motions = {_name(path): read_motions(path, frames) for path in files}
     runs = read_runs(folders, cache_dir) if folders else []
     names = [run.name for run in runs] + [_name(path) for path in files]
     if twice := [name for name in names if names.count(name) > 1]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sag.data.known import DATA_SETS
+from sag.data.selection import chosen_windows
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
 from sag.references import BESIDE
@@ -58,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise SagError(f"--samples is {asked.samples}; a page tells 1 to {MOST_MOTIONS} motions of a row apart")
     out = _out(asked.out, asked.sources[0])
     sources = read_sources(asked.sources, asked.reference, asked.cache_dir)
-    chosen = sources.spread(asked.windows) if asked.window is None else sources.named(asked.window)
+    whose = f"of {sources.data.name} that these sources have"
+    chosen = chosen_windows(sources.places, asked.window, asked.windows, whose)
     windows = [
         shown_window(sources.data, batch, sources.motions(batch, asked.samples, asked.seed))
         for batch in sources.batches(chosen)

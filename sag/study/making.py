@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sag import __version__
+from sag.data.selection import chosen_windows
 from sag.errors import SagError
 from sag.files import writing_in
 from sag.runs import CONFIG
@@ -36,10 +37,10 @@ def make(asked: argparse.Namespace) -> int:
     """
     check_new(asked.out)
     note = _note(asked.note)
-    sources = read_sources(_runs(asked.sources), asked.reference, asked.cache_dir)
+    sources = read_sources(_runs(asked.sources), asked.reference, asked.cache_dir, FRAMES)
     if TRUTH in sources.names:
         raise SagError(f"{TRUTH} is in every study by itself; leave it out")
-    places = sources.spread(asked.windows)
+    places = chosen_windows(sources.places, None, asked.windows, "in these sources")
     study = new_study(asked.out, _settings(asked, sources, places))
     windows = [
         # Every scene has noise of its own, or all motions of a method would be alike.
