@@ -90,10 +90,10 @@ def _here(call: Call, console: Console) -> int:
     places = slots(call.asked.jobs, call.asked.gpus)
     tracked = track(call.rows, call.out)
     _greet(call, tracked, f"{len(places)} at a time", console)
-    with Interrupts() as interrupts:
-        with (LiveTable if console.is_terminal else PlainLines)(tracked, len(places), console) as display:
-            Runner(call.sweep.name, tracked, places, display, call.search).run(interrupts)
-        took = duration(time.monotonic() - began)
+    shown = LiveTable if console.is_terminal else PlainLines
+    with Interrupts() as interrupts, shown(tracked, len(places), console) as display:
+        Runner(call.sweep.name, tracked, places, display, call.search).run(interrupts)
+    took = duration(time.monotonic() - began)
     if interrupts.count:
         say(console, f"interrupted after {took}; run the same command again to continue")
         return INTERRUPTED
@@ -109,17 +109,14 @@ def _in_slurm(call: Call, console: Console) -> int:
     tracked = track(call.rows, call.out, _kept(call, queue))
     width = call.asked.jobs or (USUAL if call.search else len(tracked))
     _greet(call, tracked, f"{width} at a time at most, by SLURM", console)
-    with Interrupts() as interrupts:
-        with (LiveTable if console.is_terminal else PlainLines)(tracked, width, console) as display:
-            watcher = Watcher(tracked, queue, display, call.search, width)
-            watcher.submit()
-            if not call.asked.detach:
-                watcher.run(interrupts)
+    shown = LiveTable if console.is_terminal else PlainLines
+    with Interrupts() as interrupts, shown(tracked, width, console) as display:
+        watcher = Watcher(tracked, queue, display, call.search, width)
+        watcher.submit()
+        if not call.asked.detach:
+            watcher.run(interrupts)
     if call.asked.detach or interrupts.count:
-        say(
-            console,
-            f"the rows go on without this command; sag sweep {call.asked.file} --out {call.out} --status shows them",
-        )
+        say(console, f"the rows go on without this command; see sag sweep {call.asked.file} --out {call.out} --status")
         return INTERRUPTED if interrupts.count else 0
     return close(tracked, call.out, duration(time.monotonic() - began), console)
 

@@ -76,4 +76,4 @@ class LiveTable:
         """The table renews itself."""
 
     def _table(self) -> Table:
-        return rows_table(visible(self.rows, self.console.height - 5), summary(self.rows, self.jobs))
+        return rows_table(visible(self.rows, self.console.height - 6), summary(self.rows, self.jobs))

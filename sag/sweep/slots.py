@@ -36,7 +36,7 @@ class Slot:
 
 
 def slots(jobs: int | None = None, gpus_each: int | None = None) -> list[Slot]:
-    """The slots of this machine: one for each GPU, or as many as asked, which then share the GPUs; and a core group each.
+    """The slots of this machine: one for each GPU, or as many as asked, which then share the GPUs and cores.
 
     Args:
         jobs: how many; by default one for each GPU, or two where there is none.

@@ -1,4 +1,4 @@
-"""What a SLURM job does: it runs one row as a sweep does on its own machine, and asks to be queued again when it must go."""
+"""What a SLURM job does: it runs one row as a sweep does here, and asks to be queued again when it must go."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ class Queue:
             self._submitit.SlurmExecutor(self.folder)
         except RuntimeError as error:
             raise SagError(
-                "--slurm: this machine has no SLURM (no `srun`); leave --slurm out, or log in where it has"
+                "--slurm: there is no SLURM here (no `srun`); leave --slurm out, or log in elsewhere"
             ) from error
 
     def held(self) -> set[str] | None:

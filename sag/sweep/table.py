@@ -25,13 +25,20 @@ STYLES: dict[Shown, str] = {
     "lost": "bold yellow",
 }
 
+BAR = 16
+"""Columns of a progress bar, at most."""
+
 
 def rows_table(rows: Sequence[Tracked], caption: str) -> Table:
-    """A line for each row: how far it is, whether it lives, where it runs and where its log is."""
-    table = Table(caption=caption, caption_justify="left", box=None, pad_edge=False)
-    for heading in ("row", "state", "progress", "steps", "time", "left", "beat", "where", "log"):
-        right = heading in ("steps", "time", "left", "beat")
-        table.add_column(heading, no_wrap=True, justify="right" if right else "left")
+    """A line for each row: how far it is, when it was last seen alive, and where that was."""
+    logs = f"\nlogs: {rows[0].folder.parent}/ROW/{LOG}" if rows else ""
+    table = Table(caption=caption + logs, caption_justify="left", box=None, pad_edge=False)
+    for heading in ("row", "state"):
+        table.add_column(heading, no_wrap=True)
+    table.add_column("", max_width=BAR)
+    for heading in ("steps", "time", "left", "beat"):
+        table.add_column(heading, no_wrap=True, justify="right")
+    table.add_column("where", no_wrap=True)
     for tracked in rows:
         table.add_row(*_cells(tracked))
     return table
@@ -39,17 +46,15 @@ def rows_table(rows: Sequence[Tracked], caption: str) -> Table:
 
 def _cells(tracked: Tracked) -> list[Text | ProgressBar | str]:
     shown = state_of(tracked)
-    log = "" if shown == "waiting" else str(tracked.folder / LOG)
     return [
         Text(tracked.row.name, style="bold"),
         Text(shown, style=STYLES[shown]),
-        ProgressBar(1.0, fraction_done(tracked), 16, complete_style="cyan", finished_style=STYLES[shown]),
+        ProgressBar(1.0, fraction_done(tracked), complete_style="cyan", finished_style=STYLES[shown]),
         _steps(tracked),
         duration(elapsed(tracked)),
         duration(remaining(tracked)),
         duration(age(tracked.status)),
-        _where(tracked.status),
-        Text(log, style="dim"),
+        Text(_where(tracked.status) if shown not in ("waiting", "finished") else "", style="dim"),
     ]
 
 
@@ -61,7 +66,7 @@ def state_of(tracked: Tracked) -> Shown:
 def _where(status: Status) -> str:
     """The machine of a row that runs or ran, with its GPU or job."""
     parts = [status.host or "", f"GPU {status.gpus}" if status.gpus else "", f"job {status.job}" if status.job else ""]
-    return " ".join(part for part in parts if part) if status.state != "waiting" else ""
+    return " ".join(part for part in parts if part)
 
 
 def _steps(tracked: Tracked) -> str:
