@@ -26,7 +26,7 @@ from sag.sweep.runner import Runner
 from sag.sweep.search import Search
 from sag.sweep.slots import USUAL, slots
 from sag.sweep.slurm import Watcher
-from sag.sweep.slurm_queue import Queue, Submission
+from sag.sweep.slurm_queue import ENDING, Queue, Submission
 from sag.sweep.status import locked, read_status
 from sag.sweep.tracked import Tracked, track
 from sag.sweep.trials import Trial, drawn, recorded
@@ -122,12 +122,12 @@ def _in_slurm(call: Call, console: Console) -> int:
 
 
 def _kept(call: Call, queue: Queue) -> set[str]:
-    """Rows that SLURM has, or that live in a job that it has just lost."""
+    """Rows that SLURM has and does not end just now, or that live in a job that it has just lost."""
     held = queue.held()
     if held is None:
         raise SagError("--slurm: squeue does not answer, so nobody can say which rows SLURM has; try again later")
     alive = {row.name for row in call.rows if (s := read_status(call.out / row.name)) and s.job and is_alive(s)}
-    return held | alive
+    return alive | {row for row, state in held.items() if state != ENDING}
 
 
 def _greet(call: Call, tracked: Sequence[Tracked], width: str, console: Console) -> None:

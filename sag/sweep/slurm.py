@@ -42,7 +42,7 @@ class Watcher:
         self.display = display
         self.search = search
         self.width = width
-        self.held: set[str] | None = set()
+        self.held: dict[str, str] | None = {}
         self.asked = 0.0
         self.again: Counter[str] = Counter()
 
@@ -56,10 +56,10 @@ class Watcher:
         self._extend()
         while not interrupts.count and any(map(self._goes_on, self.tracked)):
             time.sleep(POLL)
-            for tracked in self.tracked:
-                self._look(tracked)
             if time.monotonic() - self.asked >= ASK:
                 self._ask()
+            else:
+                self._look()
             self._submit_lost()
             self._extend()
             self.display.tick()
@@ -85,7 +85,9 @@ class Watcher:
             self._ask()
 
     def _ask(self) -> None:
+        """Asks SLURM, then looks at the rows: one that the queue does not have any more has written its last word."""
         self.held, self.asked = self.queue.held(), time.monotonic()
+        self._look()
 
     def _is_held(self, tracked: Tracked) -> bool:
         """Whether the queue has the row's job, as far as that can be known."""
@@ -101,11 +103,12 @@ class Watcher:
         lost = is_lost(tracked.status) and not self._is_held(tracked)
         return lost and self.again[tracked.row.name] < AGAIN
 
-    def _look(self, tracked: Tracked) -> None:
-        """Takes in what a row has written."""
-        before, now = tracked.status, read_status(tracked.folder)
-        if now is None or before.state in ("finished", "failed"):
-            return
-        tracked.status, tracked.progress = now, read_progress(tracked.folder)
-        if now.state != before.state:
-            self.display.changed(tracked)
+    def _look(self) -> None:
+        """Takes in what the rows have written."""
+        for tracked in self.tracked:
+            before, now = tracked.status, read_status(tracked.folder)
+            if now is None or before.state in ("finished", "failed"):
+                continue
+            tracked.status, tracked.progress = now, read_progress(tracked.folder)
+            if now.state != before.state:
+                self.display.changed(tracked)

@@ -11,11 +11,12 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sag.errors import SagError
 from sag.files import write_json
 from sag.sweep.slurm_job import WARNING, SlurmJob
+from sag.sweep.status import read_status
 from sag.sweep.tracked import Tracked
 
 FOLDER = "slurm"
@@ -23,6 +24,9 @@ FOLDER = "slurm"
 
 JOBS = "jobs.json"
 """File in it that tells which job each row was handed to."""
+
+ENDING = "COMPLETING"
+"""State of a job that has ended or is to be queued again, while its node cleans up."""
 
 WARNED = 90
 """Seconds before a job's time is over at which it is told so."""
@@ -41,6 +45,13 @@ class Submission:
     parallel: int | None = None
 
 
+class Handed(NamedTuple):
+    """What is known of a row that was handed over: its job, as `squeue` lists it, and the ticket that the job has."""
+
+    job: str
+    ticket: str
+
+
 class Queue:
     """The queue of the cluster that this machine belongs to.
 
@@ -57,9 +68,10 @@ class Queue:
         self.name = name
         self.folder = out / FOLDER
         self.submission = submission
-        self.jobs: dict[str, str] = {}
+        self.out = out
+        self.jobs: dict[str, Handed] = {}
         with suppress(OSError, ValueError):
-            self.jobs = json.loads((self.folder / JOBS).read_text())
+            self.jobs = {row: Handed(*handed) for row, handed in json.loads((self.folder / JOBS).read_text()).items()}
         self._submitit = _submitit()
         try:
             self._submitit.SlurmExecutor(self.folder)
@@ -68,14 +80,20 @@ class Queue:
                 "--slurm: there is no SLURM here (no `srun`); leave --slurm out, or log in elsewhere"
             ) from error
 
-    def held(self) -> set[str] | None:
-        """Rows whose job waits or runs; None where SLURM does not answer."""
-        command = ["squeue", "--noheader", "--array", "--format=%i", f"--user={getpass.getuser()}"]
+    def held(self) -> dict[str, str] | None:
+        """Rows whose job is still theirs, with its state, such as `PENDING`; None where SLURM does not answer."""
+        command = ["squeue", "--noheader", "--array", "--format=%i %T", f"--user={getpass.getuser()}"]
         try:
-            listed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout.split()
+            listed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
         except (OSError, subprocess.SubprocessError):
             return None
-        return {row for row, job in self.jobs.items() if job in listed}
+        states = dict(line.split() for line in listed.splitlines())
+        mine = {row: handed.job for row, handed in self.jobs.items() if self._is_valid(row, handed)}
+        return {row: states[job] for row, job in mine.items() if job in states}
+
+    def _is_valid(self, row: str, handed: Handed) -> bool:
+        status = read_status(self.out / row)
+        return status is not None and status.ticket == handed.ticket
 
     def submit(self, rows: Sequence[Tracked]) -> None:
         """Hands rows over, as one array; those that all wait for as a job before it, on which it depends.
@@ -102,7 +120,7 @@ class Queue:
             submitted = self._executor(depends).submit_array(jobs)
         except self._submitit.core.utils.FailedJobError as error:
             raise SagError(f"SLURM refuses the jobs: {' '.join(str(error).split())}") from error
-        self.jobs.update({tracked.row.name: job.job_id for tracked, job in zip(rows, submitted)})
+        self.jobs.update({tracked.row.name: Handed(job.job_id, ticket) for tracked, job in zip(rows, submitted)})
         write_json(self.folder / JOBS, self.jobs)
         return [job.job_id for job in submitted]
 

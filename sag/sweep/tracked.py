@@ -79,13 +79,23 @@ def track(rows: Sequence[Row], out: Path, kept: Container[str] = ()) -> list[Tra
     Raises:
         SagError: a row's folder holds what no sweep wrote, or a row runs elsewhere.
     """
+    before = {row.name: read_status(out / row.name) for row in rows}
+    for row in rows:
+        _check_elsewhere(row, before[row.name], out / row.name, row.name in kept)
     remove_strays(out)
-    return [_tracked(row, out / row.name, row.name in kept) for row in rows]
+    return [_tracked(row, before[row.name], out / row.name, row.name in kept) for row in rows]
 
 
-def _tracked(row: Row, folder: Path, kept: bool) -> Tracked:
-    before = read_status(folder)
-    kept = kept and before is not None and before.command_hash == row.fingerprint
+def _check_elsewhere(row: Row, before: Status | None, folder: Path, kept: bool) -> None:
+    """Refuses to take a row from whoever runs it, before anything is touched."""
+    if before is None or not is_elsewhere(before) or (kept and before.command_hash == row.fingerprint):
+        return
+    where = f"on {before.host}" + (f" in job {before.job}" if before.job else "")
+    raise SagError(f"row {row.name} runs {where}; wait for it or end it there (its log is {folder / LOG})")
+
+
+def _tracked(row: Row, before: Status | None, folder: Path, kept: bool) -> Tracked:
+    kept = kept and before is not None and before.state != "failed" and before.command_hash == row.fingerprint
     if before and (kept or is_finished(before, row, folder)):
         return Tracked(row, folder, before, read_progress(folder))
     _make_way(before, row, folder)
@@ -97,9 +107,6 @@ def _tracked(row: Row, folder: Path, kept: bool) -> Tracked:
 
 def _make_way(before: Status | None, row: Row, folder: Path) -> None:
     """Ends what was left running; what had finished under another command is moved, not emptied."""
-    if before and is_elsewhere(before):
-        where = f"on {before.host}" + (f" in job {before.job}" if before.job else "")
-        raise SagError(f"row {row.name} runs {where}; wait for it or end it there (its log is {folder / LOG})")
     if before and before.state == "finished" and (folder / METRICS).is_file():
         kept = folder.parent / REPLACED / f"{folder.name}-{before.command_hash[:8]}"
         shutil.rmtree(kept, ignore_errors=True)

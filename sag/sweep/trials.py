@@ -57,11 +57,11 @@ def recorded(sweep: Sweep, out: Path) -> list[Trial]:
     for path in sorted(out.glob(f"*/{STATUS}")):
         status = read_status(path.parent)
         if status and status.trial is not None and status.point is not None and _fits(sweep, status.point):
-            found[status.trial] = status.point
+            found[status.trial] = {name: status.point[name] for name in sweep.parameters}
     return [Trial(number, found[number]) for number in sorted(found)]
 
 
 def _fits(sweep: Sweep, point: Point) -> bool:
-    return list(point) == list(sweep.parameters) and all(
+    return set(point) == set(sweep.parameters) and all(
         given.holds(point[name]) for name, given in sweep.parameters.items()
     )

@@ -50,7 +50,7 @@ def squeue(*options: str) -> None:
     for path in PLACE.glob("*.job"):
         state = path.read_text()
         if state in ("PENDING", "RUNNING") and (not asked or path.stem in asked):
-            print(state if "--format=%T" in options else path.stem)
+            print(state if "--format=%T" in options else f"{path.stem} {state}")
 
 
 def srun(*options: str) -> None:

@@ -170,15 +170,8 @@ def test_options_reach_sbatch(cluster, workplace):
     options = ["--time", "1:00:00", "--cpus", "1", "--mem", "100M", "--sbatch", "comment=hello", "--jobs", "3"]
     assert main(["sweep.yaml", "--slurm", *options]) == 0
     scripts = [path.read_text() for path in (workplace.out / "slurm").glob("*.sh")]
-    for line in (
-        "--time=1:00:00",
-        "--cpus-per-task=1",
-        "--mem=100M",
-        "--comment=hello",
-        "--requeue",
-        "--signal=USR2@90",
-    ):
-        assert all(f"#SBATCH {line}\n" in script for script in scripts)
+    lines = ["time=1:00:00", "cpus-per-task=1", "mem=100M", "comment=hello", "requeue", "signal=USR2@90"]
+    assert all(f"#SBATCH --{line}\n" in script for script in scripts for line in lines)
     assert any("--array=0-5%3" in script and "--dependency=afterok:" in script for script in scripts)
 
 
