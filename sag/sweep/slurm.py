@@ -81,7 +81,8 @@ class Watcher:
 
     def _submit(self, rows: list[Tracked]) -> None:
         if rows:
-            self.queue.submit(rows)
+            held = [t.row.name for t in self.tracked if t.row.alone and t.row.name in (self.held or {})]
+            self.queue.submit(rows, after=held)
             self._ask()
 
     def _ask(self) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from sag.errors import SagError
 from sag.sweep import process
 from sag.sweep.interrupts import SIGNALS, Interrupts
-from sag.sweep.resuming import CHECKPOINTS, remove_strays
+from sag.sweep.resuming import CHECKPOINTS, forget, remove_strays, was_stopped
 from sag.sweep.rows import Row
 from sag.sweep.runner import Runner
 from sag.sweep.slots import Slot
@@ -63,6 +63,8 @@ class SlurmJob:
             print(f"{self.row.name} is not this job's any more", flush=True)
             return
         remove_strays(self.folder)
+        if not was_stopped(status):
+            forget(self.folder)
         tracked = Tracked(self.row, self.folder, status)
         tracked.set(state="waiting", job=_job_id())
         with Interrupts((*SIGNALS, WARNING), patient=True) as interrupts:

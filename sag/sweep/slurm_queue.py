@@ -76,9 +76,7 @@ class Queue:
         try:
             self._submitit.SlurmExecutor(self.folder)
         except RuntimeError as error:
-            raise SagError(
-                "--slurm: there is no SLURM here (no `srun`); leave --slurm out, or log in elsewhere"
-            ) from error
+            raise SagError("--slurm: there is no SLURM here (srun is missing); leave --slurm out") from error
 
     def held(self) -> dict[str, str] | None:
         """Rows whose job is still theirs, with its state, such as `PENDING`; None where SLURM does not answer."""
@@ -95,15 +93,19 @@ class Queue:
         status = read_status(self.out / row)
         return status is not None and status.ticket == handed.ticket
 
-    def submit(self, rows: Sequence[Tracked]) -> None:
+    def submit(self, rows: Sequence[Tracked], after: Sequence[str] = ()) -> None:
         """Hands rows over, as one array; those that all wait for as a job before it, on which it depends.
+
+        Args:
+            rows: that are to run.
+            after: rows that were handed over before, and which the array waits for too.
 
         Raises:
             SagError: SLURM refuses them; its own words are in the message.
         """
         first = [tracked for tracked in rows if tracked.row.alone]
         rest = [tracked for tracked in rows if not tracked.row.alone]
-        awaited = self._submit(first, {})
+        awaited = self._submit(first, {}) + [self.jobs[name].job for name in after]
         depends = {"dependency": f"afterok:{':'.join(awaited)}", "kill-on-invalid-dep": "yes"} if awaited else {}
         self._submit(rest, depends)
 

@@ -32,10 +32,10 @@ BAR = 16
 def rows_table(rows: Sequence[Tracked], caption: str) -> Table:
     """A line for each row: how far it is, when it was last seen alive, and where that was."""
     logs = f"\nlogs: {rows[0].folder.parent}/ROW/{LOG}" if rows else ""
-    table = Table(caption=caption + logs, caption_justify="left", box=None, pad_edge=False)
+    table = Table(caption=caption + logs, caption_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for heading in ("row", "state"):
         table.add_column(heading, no_wrap=True)
-    table.add_column("", max_width=BAR)
+    table.add_column("", min_width=BAR // 2, max_width=BAR)
     for heading in ("steps", "time", "left", "beat"):
         table.add_column(heading, no_wrap=True, justify="right")
     table.add_column("where", no_wrap=True)

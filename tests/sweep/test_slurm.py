@@ -8,16 +8,18 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from chaos import TinySweep
 
 from sag.errors import SagError
-from sag.sweep import heartbeat, main, slurm
+from sag.sweep import heartbeat, main, slurm, slurm_job
 from sag.sweep.rows import Row
 from sag.sweep.slurm_job import SlurmJob
 from sag.sweep.status import Status, read_status
+from sag.sweep.tracked import Tracked
 
 pytest.importorskip("submitit")
 
@@ -194,6 +196,33 @@ def test_a_job_that_loses_its_row_ends_it_and_writes_no_more(workplace, monkeypa
     with pytest.raises(SagError, match="killed by SIGKILL"):
         SlurmJob("trial", row, folder, "old")()
     assert read_status(folder) == given
+
+
+def test_rows_that_come_later_wait_for_encoders_that_are_on_their_way(workplace, cluster):
+    workplace.wishes(encoders={"seconds": 5})
+    assert main(["sweep.yaml", "--slurm", "--detach"]) == 0
+    status = read_status(workplace.out / "m")
+    replace(status, ticket="none has it").write(workplace.out / "m")
+    assert main(["sweep.yaml", "--slurm"]) == 0
+    assert sorted(workplace.names()) == sorted(ALL) and workplace.names()[0] == "encoders"
+
+
+def test_a_row_that_gets_nowhere_is_not_queued_for_ever(workplace, monkeypatch, capsys):
+    folder = workplace.out / "m"
+    status = Status("interrupted", ("x",), "hash", started=time.time() - 5, returncode=143)
+    status.write(folder)
+    tracked = Tracked(Row("m", ("x",), "hash"), folder, status)
+    asked = []
+    monkeypatch.setattr(slurm_job, "_slurm", lambda *command: asked.append(command) or "")
+    monkeypatch.setenv("SLURM_JOB_ID", "7")
+    for restarts, times in (("0", 1), ("2", 2), ("3", 2)):
+        monkeypatch.setenv("SLURM_RESTART_COUNT", restarts)
+        slurm_job._queue_again(tracked)
+        assert asked == [("scontrol", "requeue", "7")] * times
+    assert workplace.status("m")["state"] == "failed" and "give more by --time" in workplace.status("m")["reason"]
+    workplace.write("runs/trial/m/checkpoints/last.ckpt", "written in this try")
+    slurm_job._queue_again(tracked)
+    assert len(asked) == 3, "a checkpoint is a step ahead"
 
 
 @pytest.mark.parametrize("flag", ["--partition=gpu", "--time=1:00", "--sbatch=a=b", "--detach"])
