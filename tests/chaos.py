@@ -95,11 +95,24 @@ class TinySweep:
         return (self.folder / "sweep.log").read_text()
 
     def figures(self) -> dict[str, Any]:
-        """The final table: every row's figures and what is known of them, without times."""
+        """Every row's figures and what is known of them, without times."""
         found = {}
         for path in sorted(self.out.glob("*/metrics.json")):
             found[path.parent.name] = {k: v for k, v in json.loads(path.read_text()).items() if k != "seconds"}
         return found
+
+    def tables(self) -> dict[str, bytes]:
+        """The final table in every format, of the rows as if they had taken no time."""
+        rows = self.folder / "timeless"
+        for name, figures in self.figures().items():
+            (rows / name).mkdir(parents=True, exist_ok=True)
+            (rows / name / "metrics.json").write_text(json.dumps(figures))
+            status = json.loads((self.out / name / "status.json").read_text())
+            timeless = {**status, **dict.fromkeys(("started", "ended", "heartbeat", "pid"))}
+            (rows / name / "status.json").write_text(json.dumps(timeless))
+        report = [sys.executable, "-m", "sag", "report", str(rows), "--out", str(self.folder / "report")]
+        subprocess.run(report, check=True, stdout=subprocess.DEVNULL, cwd=ROOT)
+        return {path.name: path.read_bytes() for path in (self.folder / "report").glob("table.*")}
 
     def strays(self) -> list[Path]:
         """Temporary files that nobody will rename any more."""
@@ -189,7 +202,7 @@ def _compare(place: Path, asked: argparse.Namespace, signals: list[signal.Signal
         sweep = TinySweep(place / f"disturbed-{counts['sweeps']}", rows, asked.epochs)
         counts += disturbed(sweep, signals, chance, asked.longest)
         counts["sweeps"] += 1
-        same = sweep.figures() == whole.figures()
+        same = sweep.tables() == whole.tables() and sweep.figures() == whole.figures()
         strays, unreadable = sweep.strays(), sweep.unreadable()
         wrong += (not same) + len(strays) + len(unreadable)
         print(

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +22,25 @@ torch.set_num_threads(1)
 from sag.models.scale import MotionScale
 from sag.skeleton import GTA_IM_19, Skeleton
 from sag.types import Batch
+
+TALLY = pytest.StashKey[Counter[str]]()
+"""What tests have counted, for a line at the end (`make chaos`)."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[TALLY] = Counter()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Prints what was counted, where tests run in one process."""
+    for what, count in sorted(config.stash[TALLY].items()):
+        terminalreporter.line(f"{count:5} {what}")
+
+
+@pytest.fixture
+def tally(pytestconfig: pytest.Config) -> Counter[str]:
+    """Counts what a test has done, by what it is, for the end of the output."""
+    return pytestconfig.stash[TALLY]
 
 
 @pytest.fixture(autouse=True)

@@ -61,7 +61,7 @@ def test_other_programs_read_them(run: Path) -> None:
 
 
 def test_every_flipped_bit_is_noticed_and_the_one_before_is_found(
-    run: Path, capsys: pytest.CaptureFixture[str]
+    run: Path, capsys: pytest.CaptureFixture[str], tally
 ) -> None:
     path = run / FOLDER / LAST
     whole, chance = path.read_bytes(), random.Random(0)
@@ -73,11 +73,12 @@ def test_every_flipped_bit_is_noticed_and_the_one_before_is_found(
         path.write_bytes(damaged)
         with pytest.raises(Damaged, match=r"last\.ckpt"):
             files.load_checkpoint(path)
+        tally["flips of checkpoints, all noticed"] += 1
     assert newest_good(run) == run / FOLDER / PREVIOUS
     assert "last.ckpt is not as it was written" in capsys.readouterr().err
 
 
-def test_every_truncation_is_noticed(run: Path) -> None:
+def test_every_truncation_is_noticed(run: Path, tally) -> None:
     path = run / FOLDER / LAST
     whole, chance = path.read_bytes(), random.Random(1)
     sizes = [0, 1, *range(len(whole) - 110, len(whole)), *(chance.randrange(len(whole)) for _ in range(CUTS))]
@@ -86,6 +87,7 @@ def test_every_truncation_is_noticed(run: Path) -> None:
         with pytest.raises(Damaged, match=r"last\.ckpt"):
             files.load_checkpoint(path)
         assert newest_good(run) == run / FOLDER / PREVIOUS
+        tally["cuts of checkpoints, all noticed, the one before found"] += 1
     path.write_bytes(whole + b"\0")
     with pytest.raises(Damaged):
         files.load_checkpoint(path)
@@ -165,7 +167,7 @@ def test_a_full_disk_leaves_the_one_before(run: Path, where: str, monkeypatch: p
     assert [step_of(run / FOLDER / name) for name in names(run)] == [2, 1]
 
 
-def test_a_file_that_may_not_grow_leaves_the_one_before(run: Path) -> None:
+def test_a_file_that_may_not_grow_leaves_the_one_before(run: Path, tally) -> None:
     """At each of twenty sizes the system refuses the next byte in the midst of writing."""
     length = (run / FOLDER / LAST).stat().st_size
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -178,6 +180,7 @@ def test_a_file_that_may_not_grow_leaves_the_one_before(run: Path) -> None:
         assert "File too large" in said
         assert names(run) == [LAST, PREVIOUS]
         assert [step_of(run / FOLDER / name) for name in names(run)] == [2, 1]
+        tally["sizes at which the disk is full, the one before intact"] += 1
 
 
 def killed_before(call: int, path: Path) -> int:

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from sag.data.index import read_index, write_index
 from sag.errors import SagError
 from sag.files import sha256_of, write_json
 
@@ -81,15 +82,8 @@ class WindowCache:
         Raises:
             SagError: it is missing, half written or damaged; the sentence names the file.
         """
-        path = folder / "index.json"
-        if not path.is_file():
-            raise SagError(f"{folder} is no window cache: it has no index.json")
-        try:
-            index = json.loads(path.read_text())
-            files = dict(index["files"])
-        except (ValueError, KeyError, TypeError) as error:
-            raise SagError(f"{path} cannot be read ({error}); delete {folder} to have it rebuilt") from error
-        _verify(folder, files)
+        index = read_index(folder)
+        _verify(folder, index["files"])
         return cls(folder, index)
 
     def __len__(self) -> int:
@@ -171,7 +165,7 @@ def write_cache(
             (partial / name).write_bytes(content)
         written = sorted(p for p in partial.rglob("*") if p.is_file())
         files = {str(p.relative_to(partial)): sha256_of(p) for p in written}
-        write_json(partial / "index.json", {**index, "files": files})
+        write_index(partial, {**index, "files": files})
         shutil.rmtree(folder, ignore_errors=True)
         partial.rename(folder)
     finally:

@@ -1,4 +1,5 @@
 import json
+import random
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,29 @@ def test_a_damaged_index_is_named(module: ToyDataModule) -> None:
     (cache.folder / "index.json").write_text('{"files": [')
     with pytest.raises(SagError, match=r"index\.json cannot be read"):
         WindowCache.open(cache.folder)
+
+
+def damaged(content: bytes, chance: random.Random) -> bytes:
+    """With a bit flipped, or cut short."""
+    place = chance.randrange(len(content))
+    if chance.random() < 0.3:
+        return content[:place]
+    return content[:place] + bytes([content[place] ^ 1 << chance.randrange(8)]) + content[place + 1 :]
+
+
+def test_every_flipped_bit_and_every_cut_of_any_file_is_noticed_and_named(module: ToyDataModule, tally) -> None:
+    cache, chance = module.build(), random.Random(0)
+    for name in ("index.json", *cache.index["files"]):
+        path = cache.folder / name
+        whole = path.read_bytes()
+        for _ in range(60 if name == "index.json" else 6):
+            (cache.folder / "verified.json").unlink(missing_ok=True)  # a second of an old clock may hide a change
+            path.write_bytes(damaged(whole, chance))
+            with pytest.raises(SagError, match=name.replace(".", r"\.")):
+                WindowCache.open(cache.folder)
+            tally["flips and cuts of caches and their indices, all noticed"] += 1
+        path.write_bytes(whole)
+    WindowCache.open(cache.folder)
 
 
 def test_a_build_that_fails_leaves_nothing(tmp_path: Path) -> None:

@@ -78,11 +78,12 @@ def inject(monkeypatch: pytest.MonkeyPatch, module: Any, term: str, value: float
 
 
 @pytest.mark.parametrize("term", SAG_TERMS)
-def test_a_term_that_is_no_number_is_named(term: str, toy: ToyDataModule, tmp_path: Path, monkeypatch) -> None:
+def test_a_term_that_is_no_number_is_named(term: str, toy: ToyDataModule, tmp_path: Path, monkeypatch, tally) -> None:
     inject(monkeypatch, sag.methods.wgan, term, float("nan"))
     said = stopped(SAG(network=TINY, image_size=toy.image_size), toy, tmp_path)
     assert said.startswith(f"train/{term} is nan at step 3 (batch 1 of epoch 1)")
     assert len(said.splitlines()) == 1
+    tally["terms and batches that are no number, all named, the last good weights kept"] += 1
 
 
 def test_every_term_of_sag_is_watched(toy: ToyDataModule, tmp_path: Path, monkeypatch) -> None:
@@ -94,7 +95,9 @@ def test_every_term_of_sag_is_watched(toy: ToyDataModule, tmp_path: Path, monkey
 
 
 @pytest.mark.parametrize("loss", ["critic_loss", "gradient_penalty", "generator_loss"])
-def test_a_loss_that_is_computed_wrong_is_named(loss: str, toy: ToyDataModule, tmp_path: Path, monkeypatch) -> None:
+def test_a_loss_that_is_computed_wrong_is_named(
+    loss: str, toy: ToyDataModule, tmp_path: Path, monkeypatch, tally
+) -> None:
     method = SAG(network=TINY, image_size=toy.image_size)
     real = getattr(sag.methods.wgan, loss)
 
@@ -105,6 +108,7 @@ def test_a_loss_that_is_computed_wrong_is_named(loss: str, toy: ToyDataModule, t
     monkeypatch.setattr(sag.methods.wgan, loss, wrong)
     name = {"critic_loss": "critic", "gradient_penalty": "penalty", "generator_loss": "generator"}[loss]
     assert f"train/{name}/" in stopped(method, toy, tmp_path)
+    tally["terms and batches that are no number, all named, the last good weights kept"] += 1
 
 
 @pytest.mark.parametrize(
@@ -118,15 +122,19 @@ def test_a_loss_that_is_computed_wrong_is_named(loss: str, toy: ToyDataModule, t
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_other_methods_name_theirs(module, term: str, made, toy: ToyDataModule, tmp_path: Path, monkeypatch) -> None:
+def test_other_methods_name_theirs(
+    module, term: str, made, toy: ToyDataModule, tmp_path: Path, monkeypatch, tally
+) -> None:
     inject(monkeypatch, module, term, float("inf"))
     assert stopped(made(), toy, tmp_path).startswith(f"train/{term} is inf at step 3")
+    tally["terms and batches that are no number, all named, the last good weights kept"] += 1
 
 
 @pytest.mark.parametrize("part", ["motion", "picture"])
-def test_a_batch_with_a_number_that_is_none_stops_the_run(part: str, toy: ToyDataModule, tmp_path: Path) -> None:
+def test_a_batch_with_a_number_that_is_none_stops_the_run(part: str, toy: ToyDataModule, tmp_path: Path, tally) -> None:
     said = stopped(SAG(network=TINY, image_size=toy.image_size), toy, tmp_path, Poison(part))
     assert said.startswith("train/") and "is nan at step 3 (batch 1 of epoch 1)" in said
+    tally["terms and batches that are no number, all named, the last good weights kept"] += 1
 
 
 def test_a_critic_explodes_beyond_the_limit(toy: ToyDataModule, tmp_path: Path, monkeypatch) -> None:

@@ -138,12 +138,13 @@ POSITIONS = {
 
 @pytest.mark.parametrize(("name", "place"), [(name, place) for name, places in POSITIONS.items() for place in places])
 def test_a_run_killed_at_any_batch_ends_where_the_undisturbed_one_ends(
-    name: str, place: int, data: ToyDataModule, undisturbed, tmp_path: Path
+    name: str, place: int, data: ToyDataModule, undisturbed, tmp_path: Path, tally
 ) -> None:
     assert part(name, data, tmp_path, kill_at=place) is None
     continued, whole = part(name, data, tmp_path, kill_at=None, seed=6 if place else 5), undisturbed(name)
     logged = {term: value for term, value in whole["metrics"].items() if term in continued["metrics"]}
     assert logged and differences(continued, {**whole, "metrics": logged}) == []
+    tally["places to go on from, all bitwise"] += 1
 
 
 def test_batches_after_the_last_checkpoint_are_done_again(data: ToyDataModule, undisturbed, tmp_path: Path) -> None:
