@@ -9,6 +9,7 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.batch_norm import BatchNorm2d
 from sag.models.resnet import ResNet18
 
 
@@ -82,7 +83,7 @@ class DepthDecoder(nn.Module):
         for _ in self.sizes[1:]:
             narrower = max(channels // 2, 8)
             conv = nn.Conv2d(channels, narrower, 3, 1, 1, bias=False)
-            blocks.append(nn.Sequential(conv, nn.BatchNorm2d(narrower), nn.ReLU()))
+            blocks.append(nn.Sequential(conv, BatchNorm2d(narrower), nn.ReLU()))
             channels = narrower
         self.blocks = nn.ModuleList(blocks)
         self.out = nn.Conv2d(channels, 1, 3, 1, 1)
