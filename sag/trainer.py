@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
+from lightning.pytorch.strategies import DDPStrategy
 
 from sag.checkpoints import WholeCheckpoints, newest_good
 from sag.errors import SagError
 from sag.methods.base import Method
 from sag.methods.terms import LOSS_LIMIT
+from sag.parallel import Together, share_out
 from sag.randomness import RandomStates
 
 NEWEST = "last"
@@ -27,6 +29,7 @@ class Trainer(pl.Trainer):
         save_every_seconds: time between two checkpoints in the midst of an epoch.
         save_every_n_batches: batches between two checkpoints, besides the time.
         loss_limit: magnitude at which a term of the loss has exploded and ends the training.
+        sync_batchnorm: whether batch norms see the windows of all processes, as one process does, or each its own.
         kwargs: Lightning's.
     """
 
@@ -38,6 +41,7 @@ class Trainer(pl.Trainer):
         save_every_seconds: float = 60.0,
         save_every_n_batches: int | None = None,
         loss_limit: float = LOSS_LIMIT,
+        sync_batchnorm: bool = True,
         **kwargs: Any,
     ) -> None:
         _check_positive(
@@ -45,8 +49,12 @@ class Trainer(pl.Trainer):
         )
         self.save_every_seconds, self.save_every_n_batches = save_every_seconds, save_every_n_batches
         self.loss_limit = loss_limit
-        plugins, callbacks = [*_listed(plugins), WholeCheckpoints()], [*_listed(callbacks), RandomStates()]
+        self.random_states = RandomStates()
+        plugins = [*_listed(plugins), WholeCheckpoints()]
+        callbacks = [*_listed(callbacks), self.random_states, Together(sync_batchnorm)]
+        kwargs["use_distributed_sampler"] = False  # data modules share out their windows themselves
         super().__init__(*args, plugins=plugins, callbacks=callbacks, **kwargs)
+        share_out(self.strategy, self.world_size)
 
     def fit(
         self,
@@ -68,6 +76,8 @@ class Trainer(pl.Trainer):
             weights_only: Lightning's; nothing is executed either way.
         """
         start = self._newest() if ckpt_path == NEWEST else ckpt_path
+        if isinstance(self.strategy, DDPStrategy):
+            self.random_states.remember()
         super().fit(model, train_dataloaders, val_dataloaders, datamodule, start, weights_only)
 
     def run(self, model: pl.LightningModule, datamodule: Any = None, ckpt_path: str | None = None) -> None:
