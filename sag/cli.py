@@ -16,6 +16,7 @@ TOOLS = {
     "score": "every figure of a test for motions from a file",
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
+    "doctor": "says whether this machine is ready, and what to do where it is not",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
     "extend": "samples motions of any length from a trained run",
     "export": "motions of a file as BVH and animated glTF for Blender and others",
@@ -70,6 +71,8 @@ def _tool(name: str) -> Callable[[list[str]], int]:
         from sag.score import main as tool
     elif name == "sweep":
         from sag.sweep import main as tool
+    elif name == "doctor":
+        from sag.doctor.command_line import main as tool
     elif name == "figure7":
         from sag.figure7 import main as tool
     elif name == "extend":
