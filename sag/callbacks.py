@@ -18,6 +18,7 @@ from sag.components import parameter_count
 from sag.data.motion_file import MotionFile, write_motions
 from sag.files import write_json
 from sag.methods.base import Method
+from sag.processes import everyones
 
 PROGRESS_EVERY = 1.0
 """Seconds between two writings of progress.json."""
@@ -53,12 +54,14 @@ class MetricsFile(pl.Callback):
 
     def on_test_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """Writes the file, unless the run was only a trial of its wiring."""
-        if not isinstance(pl_module, Method) or trainer.fast_dev_run or not trainer.is_global_zero:  # type: ignore
+        if not isinstance(pl_module, Method) or trainer.fast_dev_run:  # type: ignore[attr-defined]
             return
         self.seconds["test"] = round(time.monotonic() - self.started, 1)
         folder = Path(trainer.default_root_dir)
-        write_json(folder / "metrics.json", self._content(trainer, pl_module, folder.name))
-        print(f"the figures are in {folder / 'metrics.json'}", flush=True)
+        content = self._content(trainer, pl_module, folder.name)  # of all processes, so each has to ask
+        if trainer.is_global_zero:
+            write_json(folder / "metrics.json", content)
+            print(f"the figures are in {folder / 'metrics.json'}", flush=True)
 
     def _content(self, trainer: pl.Trainer, method: Method, row: str) -> dict[str, Any]:
         figures = {k.removeprefix("test/"): float(v) for k, v in trainer.callback_metrics.items() if "test/" in k}
@@ -125,14 +128,16 @@ class PredictionFile(pl.Callback):
     def on_predict_batch_end(
         self, trainer: pl.Trainer, pl_module: pl.LightningModule, outputs: Any, *args: Any, **kwargs: Any
     ) -> None:
-        """Keeps the batch."""
-        self.parts.append({name: value.cpu() for name, value in outputs.items()})
+        """Keeps the batch, where there is one."""
+        if outputs is not None:
+            self.parts.append({name: value.cpu() for name, value in outputs.items()})
 
     def on_predict_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
-        """Writes the file."""
-        if not isinstance(pl_module, Method) or not trainer.is_global_zero or not self.parts:
+        """Writes the file, with what other processes have sampled."""
+        parts = sorted((part for own in everyones(self.parts) for part in own), key=lambda part: int(part["index"][0]))
+        if not isinstance(pl_module, Method) or not trainer.is_global_zero or not parts:
             return
-        joints, index = (torch.cat([part[name] for part in self.parts]).numpy() for name in ("joints", "index"))
+        joints, index = (torch.cat([part[name] for part in parts]).numpy() for name in ("joints", "index"))
         path = Path(trainer.default_root_dir) / "predictions.npz"
         write_motions(path, MotionFile(path, joints, index, pl_module.data.fps, pl_module.skeleton.name))
         print(f"motions {joints.shape} are in {path}", flush=True)

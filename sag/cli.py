@@ -17,6 +17,7 @@ TOOLS = {
     "score": "every figure of a test for motions from a file",
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
+    "doctor": "says whether this machine is ready, and what to do where it is not",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
     "sample": "motions from your own photograph or a window, as files and films",
     "figure": "strips of poses in one picture, the same scenes over runs (the paper's Figures 1, 4, 8)",
@@ -27,7 +28,7 @@ TOOLS = {
 }
 """Subcommands that do not train, with what they do."""
 
-PLACES = {"data": "data.command", "figure": "strips", "export": "exporting"}
+PLACES = {"data": "data.command", "doctor": "doctor.command_line", "figure": "strips", "export": "exporting"}
 """Where tools lie that are not called by their module's name."""
 
 TRAINING = ("fit", "run", "validate", "test", "predict")

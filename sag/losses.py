@@ -8,6 +8,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from sag.processes import drawn, largest, mean
+
 
 def critic_loss(real: Float[Tensor, " b"], fake: Float[Tensor, " b"]) -> Float[Tensor, ""]:
     """The Wasserstein critic's loss: its negative estimate of the distance."""
@@ -31,7 +33,11 @@ def gradient_penalty(
         target: the paper's is 0.1; Gulrajani et al. have 1.
         axes: leading axes that keep norms of their own: 1 asks for one norm of a view, 2 for one of each frame.
     """
-    share = torch.rand(len(real), *[1] * (real.dim() - 1), dtype=real.dtype, device=real.device)
+
+    def shares(count: int) -> Tensor:
+        return torch.rand(count, *[1] * (real.dim() - 1), dtype=real.dtype, device=real.device)
+
+    share = drawn(shares, len(real))
     mixture = (share * real + (1 - share) * fake).detach().requires_grad_()
     (gradient,) = torch.autograd.grad(critic(mixture).sum(), mixture, create_graph=True)
     # A norm's own derivative is undefined at zero, and a dead critic has zero gradient.
@@ -49,8 +55,8 @@ def berhu(predicted: Float[Tensor, "b h w"], true: Float[Tensor, "b h w"], share
         true: metres, 0 where unknown.
         share: of the largest error.
     """
-    error = (predicted - true).abs()[true > 0]
-    if not error.numel():
-        return predicted.sum() * 0
-    threshold = (share * error.max()).detach().clamp_min(1e-6)
-    return torch.where(error <= threshold, error, (error.square() + threshold.square()) / (2 * threshold)).mean()
+    known = true > 0
+    error = (predicted - true).abs()[known]
+    threshold = (share * largest(error.max() if error.numel() else error.new_zeros(()))).detach().clamp_min(1e-6)
+    each = torch.where(error <= threshold, error, (error.square() + threshold.square()) / (2 * threshold))
+    return mean(each)

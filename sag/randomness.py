@@ -8,7 +8,8 @@ from typing import Any
 import lightning.pytorch as pl
 import numpy as np
 import torch
-import torch.distributed
+
+from sag.processes import everyones
 
 State = dict[str, Any]
 """State of every generator of a process, in tensors and plain types alone."""
@@ -27,9 +28,13 @@ class RandomStates(pl.Callback):
         self.states: list[State] = []
         self.mid_epoch = False
 
+    def remember(self) -> None:
+        """Takes the generators as they stand now: Lightning seeds them again where it starts several processes."""
+        self.states, self.mid_epoch = [random_state()], False
+
     def state_dict(self) -> dict[str, Any]:
         """The generators of all processes."""
-        return {"states": _of_all_processes(random_state()), "mid_epoch": self.mid_epoch}
+        return {"states": everyones(random_state()), "mid_epoch": self.mid_epoch}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Takes what a checkpoint knows, to put it in place when training starts."""
@@ -77,11 +82,3 @@ def set_random_state(state: State) -> None:
     if torch.cuda.is_available():
         for device, inner in enumerate(state["cuda"][: torch.cuda.device_count()]):
             torch.cuda.set_rng_state(inner.cpu(), device)
-
-
-def _of_all_processes(own: State) -> list[State]:
-    if not (torch.distributed.is_available() and torch.distributed.is_initialized()):
-        return [own]
-    states: list[Any] = [None] * torch.distributed.get_world_size()
-    torch.distributed.all_gather_object(states, own)
-    return states

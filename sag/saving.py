@@ -59,7 +59,7 @@ class LastCheckpoint(Checkpoint):
 
     def on_validation_start(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """A validation can take longer than who asks to end waits."""
-        if self.asked:
+        if trainer.strategy.reduce_boolean_decision(bool(self.asked), all=False):
             self._leave(trainer)
 
     def on_train_epoch_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import lightning.pytorch as pl
+from lightning.pytorch.strategies import DDPStrategy
 
 from sag.checkpoints import WholeCheckpoints, newest_good
 from sag.errors import SagError
 from sag.methods.base import Method
 from sag.methods.terms import LOSS_LIMIT
+from sag.parallel import Together, share_out
 from sag.randomness import RandomStates
 from sag.showing import ShownSamples
 
@@ -29,6 +31,7 @@ class Trainer(pl.Trainer):
         save_every_n_batches: batches between two checkpoints, besides the time.
         loss_limit: magnitude at which a term of the loss has exploded and ends the training.
         show_every_n_epochs: epochs from one page, film and sheet of samples to the next; none when left out.
+        sync_batchnorm: whether batch norms see the windows of all processes, as one process does, or each its own.
         kwargs: Lightning's.
     """
 
@@ -41,6 +44,7 @@ class Trainer(pl.Trainer):
         save_every_n_batches: int | None = None,
         loss_limit: float = LOSS_LIMIT,
         show_every_n_epochs: int | None = None,
+        sync_batchnorm: bool = True,
         **kwargs: Any,
     ) -> None:
         _check_positive(
@@ -48,9 +52,13 @@ class Trainer(pl.Trainer):
         )
         self.save_every_seconds, self.save_every_n_batches = save_every_seconds, save_every_n_batches
         self.loss_limit = loss_limit
+        self.random_states = RandomStates()
         plugins = [*_listed(plugins), WholeCheckpoints()]
-        callbacks = [*_listed(callbacks), ShownSamples(show_every_n_epochs), RandomStates()]
+        shown = ShownSamples(show_every_n_epochs)
+        callbacks = [*_listed(callbacks), shown, self.random_states, Together(sync_batchnorm)]
+        kwargs["use_distributed_sampler"] = False  # data modules share out their windows themselves
         super().__init__(*args, plugins=plugins, callbacks=callbacks, **kwargs)
+        share_out(self.strategy, self.world_size)
 
     def fit(
         self,
@@ -72,6 +80,8 @@ class Trainer(pl.Trainer):
             weights_only: Lightning's; nothing is executed either way.
         """
         start = self._newest() if ckpt_path == NEWEST else ckpt_path
+        if isinstance(self.strategy, DDPStrategy):
+            self.random_states.remember()
         super().fit(model, train_dataloaders, val_dataloaders, datamodule, start, weights_only)
 
     def run(self, model: pl.LightningModule, datamodule: Any = None, ckpt_path: str | None = None) -> None:

@@ -17,6 +17,7 @@ from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.methods.base import Method
+from sag.parallel import first_process_speaks, leave_unsaid
 from sag.parsing import LINKS, one_sentence_each
 from sag.saving import LastCheckpoint
 from sag.trainer import Trainer
@@ -81,9 +82,10 @@ def train(arguments: list[str]) -> int:
     """Parses and runs; every mistake in options or configs becomes one sentence."""
     logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)  # tips and greetings
     set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
+    leave_unsaid()
     torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
     try:
-        with one_sentence_each():
+        with first_process_speaks(), one_sentence_each():
             TrainingCLI(
                 datamodule_class=MotionDataModule,
                 subclass_mode_data=True,

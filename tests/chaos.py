@@ -106,7 +106,7 @@ class TinySweep:
         rows = self.folder / "timeless"
         for name, figures in self.figures().items():
             (rows / name).mkdir(parents=True, exist_ok=True)
-            (rows / name / "metrics.json").write_text(json.dumps({**figures, "seconds": 0.0}))
+            (rows / name / "metrics.json").write_text(json.dumps({**figures, "seconds": {}}))
             status = json.loads((self.out / name / "status.json").read_text())
             timeless = {**status, **dict.fromkeys(("started", "ended", "heartbeat", "pid"))}
             (rows / name / "status.json").write_text(json.dumps(timeless))

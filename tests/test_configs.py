@@ -14,7 +14,9 @@ from sag.cli import main
 
 ROOT = Path(__file__).parent.parent
 CONFIGS = ROOT / "configs"
-ALL = sorted(str(p.relative_to(CONFIGS)) for p in CONFIGS.rglob("*.yaml") if p.name != "base.yaml")
+STRATEGIES = sorted((CONFIGS / "strategy").glob("*.yaml"))  # run in tests/test_strategies.py, in processes of their own
+OVERLAYS = set(CONFIGS.rglob("*.yaml")) - {CONFIGS / "base.yaml", *STRATEGIES}
+ALL = sorted(str(p.relative_to(CONFIGS)) for p in OVERLAYS)
 ROWS = sorted((CONFIGS / "ablations").glob("*.yaml"))
 WITHOUT_SIZES = ("methods/erd.yaml", "methods/ground_truth.yaml")
 

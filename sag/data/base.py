@@ -12,12 +12,13 @@ import numpy as np
 import torch
 from jaxtyping import Float, UInt8
 from torch import Tensor
-from torch.utils.data import DataLoader, Dataset
+from torch.utils.data import DataLoader, Dataset, SequentialSampler
 
 from sag.data.cache import DEPTH_UNIT, PERSON, SPLITS, WindowCache
-from sag.data.order import EpochOrder, ResumableLoader
+from sag.data.order import EpochOrder, OwnBatches, ResumableLoader, SharedBatches
 from sag.errors import SagError
 from sag.files import writing_in
+from sag.processes import processes
 from sag.skeleton import Skeleton, skeleton_named
 from sag.types import Batch, DepthMap, KnownGeometry, Motion, Scene
 
@@ -38,7 +39,7 @@ class Windows(Dataset[Batch]):
         return self.__getitems__([index])
 
     def __getitems__(self, indices: list[int]) -> Batch:
-        rows = self.rows[np.asarray(indices)]
+        rows = self.rows[np.asarray(indices, dtype=np.int64)]
         cache = self.cache
         scene = Scene(
             # In place: a batch is read at the speed of memory, and new memory is what takes longest.
@@ -75,7 +76,7 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         cache_dir: folder that holds the window caches.
         skeleton: name of the skeleton, see `sag.skeleton.SKELETONS`.
         image_size: rows and columns of the picture; the paper's is 288 x 512.
-        batch_size: windows of a training step.
+        batch_size: windows of a training step, of all processes together.
         eval_batch_size: windows of a validation or test step.
     """
 
@@ -160,11 +161,20 @@ class MotionDataModule(pl.LightningDataModule, ABC):
         }
 
     def train_dataloader(self) -> DataLoader[Batch]:
-        """Training windows in random order; an incomplete last batch is left out if there is another."""
+        """Training windows in random order; an incomplete last batch is left out if there is another.
+
+        Raises:
+            SagError: processes that train together cannot have equally many windows of a batch.
+        """
         windows = Windows(self.cache, "train", self.skeleton)
         size = min(self.batch_size, len(windows))
-        order = EpochOrder(windows)
-        return ResumableLoader(windows, batch_size=size, sampler=order, drop_last=True, collate_fn=_whole)
+        if size % processes():
+            raise SagError(
+                f"data.init_args.batch_size is the batch of all {processes()} processes together, and {size} windows "
+                f"cannot be shared out evenly: make it a multiple of {processes()}"
+            )
+        batches = SharedBatches(EpochOrder(windows), size, drop_last=True)
+        return ResumableLoader(windows, batch_sampler=batches, collate_fn=_whole)
 
     def val_dataloader(self) -> DataLoader[Batch]:
         """Held-out windows of the training rooms."""
@@ -220,7 +230,8 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     def _fixed(self, split: str, with_cloud: bool) -> DataLoader[Batch]:
         windows = Windows(self.cache, split, self.skeleton, with_cloud)
-        return DataLoader(windows, batch_size=self.eval_batch_size, collate_fn=_whole)
+        batches = OwnBatches(SequentialSampler(windows), self.eval_batch_size, drop_last=False)
+        return DataLoader(windows, batch_sampler=batches, collate_fn=_whole)
 
 
 def _whole(batch: Any) -> Any:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import torch
-from torch.utils.data import DataLoader, RandomSampler
+from torch.utils.data import BatchSampler, DataLoader, RandomSampler
 
+from sag.processes import processes, rank
 from sag.types import Batch
 
 
@@ -29,11 +30,36 @@ class EpochOrder(RandomSampler):
         yield from torch.randperm(len(self), generator=torch.Generator().manual_seed(self.seed)).tolist()
 
 
+class SharedBatches(BatchSampler):
+    """Batches of which each of the processes that train together gets its share, one row after another."""
+
+    def __iter__(self) -> Iterator[list[int]]:
+        for batch in super().__iter__():
+            share = len(batch) // processes()
+            yield batch[rank() * share : (rank() + 1) * share]
+
+
+class OwnBatches(BatchSampler):
+    """Every so manyth batch, for processes that test together: each window is in one batch of one of them.
+
+    A batch stays whole, so that its arithmetic is to the bit what it is where one process tests alone. A process for
+    which there is none has one without windows: Lightning would leave out its test, and the others wait for it.
+    """
+
+    def __iter__(self) -> Iterator[list[int]]:
+        own = itertools.islice(super().__iter__(), rank(), None, processes())
+        yield next(own, [])
+        yield from own
+
+    def __len__(self) -> int:
+        return max(1, len(range(rank(), super().__len__(), processes())))
+
+
 class ResumableLoader(DataLoader[Batch]):
     """A loader that goes on after the batches which it has given, without reading them again.
 
-    Lightning keeps `state_dict` in its checkpoints. The order of the epoch is the sampler's to know: that of
-    `EpochOrder` by its seed, that of a sampler for several processes by the epoch's number.
+    Lightning keeps `state_dict` in its checkpoints. The order of the epoch is that of the `EpochOrder` under its
+    batches, the same in all processes.
 
     Attributes:
         given: batches of the epoch at hand that were given.
@@ -55,10 +81,15 @@ class ResumableLoader(DataLoader[Batch]):
 
     def state_dict(self) -> dict[str, Any]:
         """The order of the epoch at hand and the place in it."""
-        return {"seed": getattr(self.sampler, "seed", None), "given": self.given}
+        return {"seed": getattr(self._order, "seed", None), "given": self.given}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Makes the next epoch the rest of the one that a checkpoint was written in."""
         self._skipped = state["given"]
-        if isinstance(self.sampler, EpochOrder):
-            self.sampler.again = state["seed"]
+        if isinstance(self._order, EpochOrder):
+            self._order.again = state["seed"]
+
+    @property
+    def _order(self) -> Any:
+        """What the batches are cut from."""
+        return getattr(self.batch_sampler, "sampler", None)

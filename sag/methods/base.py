@@ -19,6 +19,7 @@ from sag.methods.pretrained import pretrained_state
 from sag.methods.weights import check_shapes, check_skeleton
 from sag.metrics import MotionFID
 from sag.models.erd import MotionEncoders
+from sag.processes import processes, rank
 from sag.scoring import Evaluation, Groups, Scores
 from sag.scoring.judged import Judged
 from sag.skeleton import skeleton_named
@@ -59,6 +60,14 @@ class Method(pl.LightningModule):
     def samples(self, batch: Batch, count: int, generator: Generator | None = None) -> list[Motion]:
         """So many motions for each window, as so many calls of `sample` make them; in one go where that is cheaper."""
         return [self.sample(batch, generator) for _ in range(count)]
+
+    def draw(self, count: int, generator: Generator) -> None:
+        """Draws what one `sample` of so many windows draws, and leaves it: another process tests those windows.
+
+        Raises:
+            SagError: the method does not say what it draws.
+        """
+        raise SagError(f"{type(self).__name__} has no `draw`, so only one device can test it: --trainer.devices 1")
 
     @property
     def trained(self) -> bool:
@@ -138,8 +147,6 @@ class Method(pl.LightningModule):
 
     def _lay_out(self, split: str) -> None:
         self._require_trained()
-        if self.trainer.world_size > 1:
-            raise SagError("figures of several devices do not add up: test on one, with --trainer.devices 1")
         may_lack = self._only_wiring or not self.needs_encoders
         encoders = None if may_lack and not self.data.encoder_path.is_file() else self.load_encoders(self.data)
         self.encoders = encoders and encoders.to(self.device)
@@ -169,14 +176,17 @@ class Method(pl.LightningModule):
 
     def validation_step(self, batch: Batch, batch_idx: int) -> None:
         """Scores held-out windows of the training rooms, which have no cloud: motion, floor and known geometry."""
-        self._score(batch)
+        self._score(batch, batch_idx)
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Scores motions for each window; further variants have their Motion FID alone."""
-        self._score(batch)
+        self._score(batch, batch_idx)
 
-    def _score(self, batch: Batch) -> Judged | None:
+    def _score(self, batch: Batch, batch_idx: int) -> Judged | None:
         """Judges motions for those windows of a batch that are asked for; None when there are none."""
+        if not len(batch):
+            return None
+        self._pass_over(batch_idx, *(noise for _, noise in self.further.values()))
         if self.windows is not None:
             asked = torch.as_tensor(np.isin(batch.index.cpu().numpy(), self.windows), device=batch.index.device)
             if not asked.any():
@@ -188,6 +198,12 @@ class Method(pl.LightningModule):
             motion = self.variants()[name](batch, noise)
             metric.update(motion.joints, real=False)
         return judged
+
+    def _pass_over(self, batch_idx: int, *further: Generator) -> None:
+        """Draws what the batches before this one take that other processes have, so that chance is that of one."""
+        for _ in range(rank() if batch_idx == 0 else processes() - 1):
+            for generator in (*[self.generator] * self.evaluation.samples, *further):
+                self.draw(self.data.eval_batch_size, generator)
 
     def _samples(self, batch: Batch, count: int) -> Tensor:
         """Motions for each window, (b, k, 65, j, 3), metres, camera frame of frame 0."""
@@ -220,6 +236,9 @@ class Method(pl.LightningModule):
         self._require_trained()
         self.generator = self._noise()
 
-    def predict_step(self, batch: Batch, batch_idx: int) -> dict[str, Tensor]:
+    def predict_step(self, batch: Batch, batch_idx: int) -> dict[str, Tensor] | None:
         """Motions for each window: `joints` (b, k, 65, j, 3) in metres, camera frame of frame 0, and `index`."""
+        if not len(batch):
+            return None
+        self._pass_over(batch_idx)
         return {"joints": self._samples(batch, self.evaluation.samples), "index": batch.index}

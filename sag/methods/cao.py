@@ -19,6 +19,7 @@ from sag.models.cao.blocks import Seen
 from sag.models.cao.goal_net import BLOCKS, LATENT, GoalNet, goal_loss
 from sag.models.cao.heat_maps import heat_maps, map_size, peak
 from sag.models.scale import MotionScale
+from sag.processes import drawn
 from sag.scoring import Evaluation
 from sag.types import Batch, Condition, Motion
 
@@ -131,7 +132,7 @@ class Cao(Method):
 
     def _goal_losses(self, seen: Seen, batch: Batch) -> dict[str, Tensor]:
         goal = self._goal_map(seen, self._pixels(batch, batch.motion.roots[:, -1]))
-        noise = torch.randn(len(batch), self.goal_net.latent, device=self.device)
+        noise = drawn(self._latents, len(batch))
         predicted, mean, log_variance = self.goal_net(seen, goal, noise)
         error, divergence = goal_loss(predicted, goal[:, 0], mean, log_variance)
         return {"goal": error, "divergence": self.recipe.divergence * divergence}
@@ -148,8 +149,15 @@ class Cao(Method):
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window, to a goal that GoalNet draws."""
         seen = self._seen(batch)
-        latent = torch.randn(len(batch), self.goal_net.latent, generator=generator, device=self.device)
+        latent = self._latents(len(batch), generator)
         return self._continued(seen, batch, peak(self.goal_net.sample(seen, latent)))
+
+    def draw(self, count: int, generator: Generator) -> None:
+        """Draws GoalNet's latents, and leaves them."""
+        self._latents(count, generator)
+
+    def _latents(self, count: int, generator: Generator | None = None) -> Tensor:
+        return torch.randn(count, self.goal_net.latent, generator=generator, device=self.device)
 
     def sample_to(self, batch: Batch, goals: Float[Tensor, "b 3"]) -> Motion:
         """The motion of each window to a goal that is given: always the same one.

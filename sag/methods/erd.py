@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.methods.terms import record
 from sag.models.erd import MotionEncoders
+from sag.processes import drawn
 from sag.skeleton import skeleton_named
 from sag.types import Batch
 
@@ -140,8 +142,10 @@ class ERDTraining(pl.LightningModule):
         return self.first_noise + (self.last_noise - self.first_noise) * min(1.0, self.global_step / steps)
 
     def _log_errors(self, stage: str, batch: Batch) -> None:
-        errors = self._losses(batch, noise=0.0)
-        self.log_dict({f"{stage}/erd/{frames}": e for frames, e in errors.items()}, batch_size=len(batch))
+        nothing = dict.fromkeys(self.encoders.frames, torch.zeros((), device=self.device))
+        errors = self._losses(batch, noise=0.0) if len(batch) else nothing
+        named = {f"{stage}/erd/{frames}": error for frames, error in errors.items()}
+        self.log_dict(named, batch_size=len(batch), sync_dist=True)
 
     def _losses(self, batch: Batch, noise: float) -> dict[int, Tensor]:
         """Error of the next frame for each encoder, in squared z-scores."""
@@ -149,7 +153,7 @@ class ERDTraining(pl.LightningModule):
         for frames in self.encoders.frames:
             network = self.encoders.of(frames)
             clips = network.normalised(self._from_first_root(random_clips(motions, frames)))
-            seen = clips[:, :-1] + noise * torch.randn_like(clips[:, :-1])
+            seen = clips[:, :-1] + noise * drawn(partial(_normal, clips[0, :-1]), len(clips))
             losses[frames] = nn.functional.mse_loss(network(seen), clips[:, 1:])
         return losses
 
@@ -160,6 +164,15 @@ class ERDTraining(pl.LightningModule):
 
 def random_clips(motions: Float[Tensor, "b t j 3"], frames: int) -> Float[Tensor, "b n j 3"]:
     """One clip of that many consecutive frames from each motion, each from a start of its own."""
-    start = torch.randint(motions.shape[1] - frames + 1, (len(motions), 1), device=motions.device)
+
+    def starts(count: int) -> Tensor:
+        return torch.randint(motions.shape[1] - frames + 1, (count, 1), device=motions.device)
+
+    start = drawn(starts, len(motions))
     places = start + torch.arange(frames, device=motions.device)
     return motions[torch.arange(len(motions), device=motions.device)[:, None], places]
+
+
+def _normal(like: Tensor, count: int) -> Tensor:
+    """Normal noise for so many clips of that shape."""
+    return torch.randn(count, *like.shape, dtype=like.dtype, device=like.device)

@@ -33,6 +33,9 @@ class GroundTruth(Method):
         """The window's own motion."""
         return batch.motion
 
+    def draw(self, count: int, generator: Generator) -> None:
+        """Nothing: true motions are what they are."""
+
     def on_test_start(self) -> None:
         """Lays out the metrics and the floors."""
         super().on_test_start()
@@ -40,7 +43,7 @@ class GroundTruth(Method):
 
     def test_step(self, batch: Batch, batch_idx: int) -> None:
         """Scores the true motion, once for the figures and once for the floors."""
-        judged = self._score(batch)
+        judged = self._score(batch, batch_idx)
         if judged is not None:
             self.floors.update(judged)
 

@@ -15,6 +15,7 @@ from sag.models.critics import SequenceCritic
 from sag.models.hp_gan import HPGANCriticNetwork, HPGANGenerator, HPGANSizes
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
+from sag.processes import processes, summed
 from sag.scoring import Evaluation
 from sag.skeleton import Skeleton, skeleton_named
 from sag.types import Condition, Motion
@@ -94,7 +95,8 @@ class HPGAN(WGAN):
 def consistency(vectors: Float[Tensor, "b t c"]) -> Float[Tensor, ""]:
     """Norm of all differences between neighbouring frames of a batch at once, over their number; 1e-4 at least."""
     steps = vectors.diff(dim=1)
-    return (steps.norm() / (steps.shape[0] * steps.shape[1])).clamp_min(1e-4)
+    together = summed(steps.norm().square()).sqrt() if processes() > 1 else steps.norm()
+    return (together / (processes() * steps.shape[0] * steps.shape[1])).clamp_min(1e-4)
 
 
 def bone_loss(pose: Float[Tensor, "b t j 3"], skeleton: Skeleton) -> Float[Tensor, ""]:

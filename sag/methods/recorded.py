@@ -45,6 +45,9 @@ class Recorded(Method):
         """The first motion of each window."""
         return Motion.from_joints(self._samples(batch, 1)[:, 0], self.skeleton.root_index)
 
+    def draw(self, count: int, generator: Generator) -> None:
+        """Nothing: the motions are there."""
+
     def _samples(self, batch: Batch, count: int) -> Tensor:
         rows = [self.rows[window] for window in batch.index.tolist()]
         return torch.from_numpy(self.motions.joints[rows, :count]).to(batch.motion.joints)

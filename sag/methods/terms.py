@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from sag.errors import Diverged
+from sag.processes import processes, summed
 
 LOSS_LIMIT = 1e6
 """Magnitude beyond which a term has exploded, where the trainer names none (`trainer.loss_limit`)."""
@@ -18,7 +19,8 @@ LOSS_LIMIT = 1e6
 def record(module: pl.LightningModule, terms: Mapping[str, Tensor]) -> None:
     """Logs terms, once each is found to be a number within the limit; called before the step that they ask for.
 
-    All terms of a call are looked at together, which waits for the device once.
+    All terms of a call are looked at together, which waits for the device once. Processes that train together look at
+    the average of their terms, which is the term of their whole batch, so that they agree on what they find.
 
     Args:
         module: what is trained.
@@ -29,10 +31,11 @@ def record(module: pl.LightningModule, terms: Mapping[str, Tensor]) -> None:
     """
     trainer: Any = module.trainer
     limit = getattr(trainer, "loss_limit", LOSS_LIMIT)
-    for name, value in zip(terms, torch.stack([term.detach().float() for term in terms.values()]).tolist()):
+    together = summed(torch.stack([term.detach().float() for term in terms.values()])) / processes()
+    for name, value in zip(terms, together.tolist()):
         if not abs(value) <= limit:
             raise Diverged(_sentence(trainer, name, value, limit))
-    module.log_dict({name: term.detach() for name, term in terms.items()})
+    module.log_dict(dict(zip(terms, together.unbind())))
 
 
 def _sentence(trainer: Any, name: str, value: float, limit: float) -> str:

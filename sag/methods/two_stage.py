@@ -21,6 +21,7 @@ from sag.models.two_stage import (
     TwoStageSizes,
     residual_network,
 )
+from sag.processes import drawn
 from sag.scoring import Evaluation
 from sag.skeleton import skeleton_named
 from sag.types import GENERATED, Batch, Condition, Motion
@@ -118,8 +119,9 @@ class TwoStage(WGAN):
         """In the first stage poses that know nothing of each other, then motions with the price of their shifts."""
         count = len(given.start)
         if self.stage == "single":
-            return self._network.posed(condition, given, self._network.latents(count, GENERATED)), {}
-        motion, shifts = self._network.shifted(condition, given, self._network.noise(count))
+            latents = drawn(lambda together: self._network.latents(together, GENERATED), count)
+            return self._network.posed(condition, given, latents), {}
+        motion, shifts = self._network.shifted(condition, given, drawn(self._network.noise, count))
         return motion, {"shift": shifts.square().sum(dim=-1).mean()}
 
     @property

@@ -15,6 +15,7 @@ from sag.methods.base import Method
 from sag.methods.terms import record
 from sag.models.critics import Critic
 from sag.models.sampler import Sampler
+from sag.processes import drawn
 from sag.scoring import Evaluation
 from sag.types import Batch, Condition, DepthMap, Motion
 
@@ -109,7 +110,7 @@ class WGAN(Method):
     def generate(self, condition: Condition, given: Motion) -> tuple[Motion, dict[str, Tensor]]:
         """Motions to train on, and what the generator pays for them besides its critics' scores, by name."""
         generator = self.sampler.generator
-        return generator(condition, given, generator.noise(len(given.start))), {}
+        return generator(condition, given, drawn(generator.noise, len(given.start))), {}
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """The critics' steps on a batch and one set of motions, then the generator's steps on the same batch."""
@@ -150,6 +151,10 @@ class WGAN(Method):
         critics.requires_grad_(True)
         self.generator_steps = self.generator_steps + 1
         self.log("train/generator_step", self.generator_steps.float())
+
+    def draw(self, count: int, generator: Generator) -> None:
+        """Draws the generator's noise, and leaves it."""
+        self.drawing.generator.noise(count, generator)
 
     def sample(self, batch: Batch, generator: Generator | None = None) -> Motion:
         """One motion for each window."""

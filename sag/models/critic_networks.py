@@ -6,6 +6,7 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.batch_norm import BatchNorm2d
 from sag.models.graph import SLOPE, GraphBlock, GraphConv, Norm, normalization
 from sag.models.pooled import PooledConv1d, PooledConv2d
 from sag.models.temporal import TemporalBlock, TemporalConv
@@ -115,5 +116,5 @@ class ContextCriticNetwork(nn.Module):
 def _planar(norm: Norm, channels: int) -> nn.Module:
     """The norm of a picture."""
     if norm == "batch":
-        return nn.BatchNorm2d(channels)
+        return BatchNorm2d(channels)
     return nn.GroupNorm(1, channels) if norm == "layer" else nn.Identity()

@@ -10,6 +10,7 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.batch_norm import BatchNorm1d, BatchNorm2d
 from sag.models.resnet import ResNet18
 
 FeatureNorm = Literal["none", "batch"]
@@ -45,7 +46,7 @@ class SceneEncoder(nn.Module):
             self.resnet.load_imagenet(imagenet)
         self.grid = grid
         self.fc = nn.Linear(self.resnet.out_channels * grid[0] * grid[1], feature_channels)
-        self.norm = nn.BatchNorm1d(feature_channels, affine=False) if norm == "batch" else nn.Identity()
+        self.norm = BatchNorm1d(feature_channels, affine=False) if norm == "batch" else nn.Identity()
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406]).view(3, 1, 1), persistent=False)
         self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
 
@@ -94,7 +95,7 @@ class DepthDecoder(nn.Module):
         for _ in self.sizes[1:]:
             narrower = max(channels // 2, 8)
             conv = nn.Conv2d(channels, narrower, 3, 1, 1, bias=False)
-            blocks.append(nn.Sequential(conv, nn.BatchNorm2d(narrower), nn.ReLU()))
+            blocks.append(nn.Sequential(conv, BatchNorm2d(narrower), nn.ReLU()))
             channels = narrower
         self.blocks = nn.ModuleList(blocks)
         self.out = nn.Conv2d(channels, 1, 3, 1, 1)

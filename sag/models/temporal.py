@@ -14,6 +14,8 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.batch_norm import BatchNorm1d
+
 TAPS = 3
 """Frames that a kernel covers."""
 
@@ -150,7 +152,7 @@ class LayerNorm(nn.GroupNorm):
         return normal.view(n, frames, channels).transpose(1, 2)
 
 
-class BatchNorm(nn.BatchNorm1d):
+class BatchNorm(BatchNorm1d):
     """Normalises each channel over all nodes and frames of the batch: `torch.nn.BatchNorm1d`, channels innermost."""
 
     def forward(self, x: Float[Tensor, "n c t"]) -> Float[Tensor, "n c t"]:

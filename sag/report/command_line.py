@@ -40,6 +40,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--out", type=Path, metavar="DIR", help="folder for the report (default: DIR, if it is one)")
     made.add_argument("--keep", type=Path, metavar="DIR", help="folder to keep the results in, such as results/table1")
     made.add_argument("--overwrite", action="store_true", help="replace results that were kept there before")
+    made.add_argument("--wandb", action="store_true", help="log tables and plots as a W&B run, offline by default")
     return made
 
 
@@ -60,6 +61,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console()
     show(report, console if console.is_terminal else Console(width=UNBOUNDED))
     console.print(f"\nreport: {out} ({names})", markup=False, highlight=False, soft_wrap=True)
+    if asked.wandb:
+        from sag.report.weights_and_biases import track  # takes a second to import
+
+        console.print(f"W&B: {track(out, title)}", markup=False, highlight=False, soft_wrap=True)
     if asked.keep:
         console.print(f"kept: {asked.keep}", markup=False, highlight=False, soft_wrap=True)
     return 0

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import torch
+from jaxtyping import Int
 from torch import Tensor
 
 from sag.data.base import MotionDataModule
@@ -12,11 +15,26 @@ from sag.metrics.fid.clips import ClipFeatures, joined
 from sag.metrics.fid.floor import motion_fid_floor_of_features
 from sag.metrics.halves import random_halves
 from sag.scoring.groups import Groups
+from sag.scoring.in_order import in_order
 from sag.scoring.judged import Judged
 from sag.scoring.named import named
 
 SPLITS = 8
 """Random splits that a floor is the mean of."""
+
+
+class Features(NamedTuple):
+    """Features of a batch.
+
+    Attributes:
+        first: place of its first window in the data set.
+        features: of the true motions.
+        group: of each window.
+    """
+
+    first: int
+    features: ClipFeatures
+    group: Int[Tensor, " b"]
 
 
 class Floors:
@@ -40,7 +58,7 @@ class Floors:
         joints, root = len(data.skeleton.joints), data.skeleton.root_index
         self.velocity = [VelocityFrechet(data.fps, joints).to(device) for _ in range(splits)]
         self.scene = [SceneFrechet(root).to(device) for _ in range(splits)]
-        self.features: list[tuple[ClipFeatures, Tensor]] = []
+        self.features: list[Features] = []
 
     def update(self, judged: Judged) -> None:
         """Adds true motions, for each split to the side that their group is on."""
@@ -52,7 +70,8 @@ class Floors:
             self.scene[split].update(judged.truth[kept], judged.cloud[kept], real=real)
         if judged.encoders is not None:
             features = {key: found.cpu() for key, found in judged.true_features.items()}
-            self.features.append((features, self.groups.of_batch(judged.batch).cpu()))
+            first = int(judged.batch.index[0])
+            self.features.append(Features(first, features, self.groups.of_batch(judged.batch).cpu()))
 
     def compute(self) -> dict[str, Tensor]:
         """Every floor by the name of its distance; nothing where there is one group only."""
@@ -62,8 +81,7 @@ class Floors:
             name: torch.stack([metric.compute() for metric in metrics]).mean()
             for name, metrics in (("velocity_frechet_floor", self.velocity), ("scene_frechet_floor", self.scene))
         }
-        if self.features:
-            features = joined([features for features, _ in self.features])
-            group = torch.cat([group for _, group in self.features])
+        if parts := in_order(self.features):
+            features, group = joined([part.features for part in parts]), torch.cat([part.group for part in parts])
             found |= named("motion_fid_floor", motion_fid_floor_of_features(features, group, SPLITS, self.seed))
         return found

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from sag.data.base import MotionDataModule
 from sag.metrics import DepthError, DepthProbe, motion_fid_infinity, motion_fid_interval
 from sag.metrics.fid.clips import ClipEncoders, ClipFeatures, joined
+from sag.processes import everyones
 from sag.scoring.evaluation import Evaluation
 from sag.scoring.groups import Groups
+from sag.scoring.in_order import in_order
 from sag.scoring.judged import Judged
 from sag.scoring.measures import measures_of
 from sag.scoring.named import named
@@ -23,8 +25,27 @@ FEWEST = 4
 """Motions that can still be split into parts, to see how figures change with their number."""
 
 
+class Kept(NamedTuple):
+    """What is kept of a batch to resample it.
+
+    Attributes:
+        first: place of its first window in the data set.
+        generated: features of the motions that are judged.
+        real: features of the true ones.
+        group: of each window.
+    """
+
+    first: int
+    generated: ClipFeatures
+    real: ClipFeatures
+    group: Int[Tensor, " b"]
+
+
 class Scores:
     """Everything that is measured of one way to make motions.
+
+    Processes that test together each give it the batches that they have. What it says is of all of them, so all have to
+    ask for it.
 
     Args:
         data: where the windows come from.
@@ -54,7 +75,7 @@ class Scores:
         self.depth_error = DepthError().to(device)
         self.depth_probe: DepthProbe | None = None
         self.motions = 0
-        self.kept: list[tuple[ClipFeatures, ClipFeatures, Tensor]] = []
+        self.kept: list[Kept] = []
 
     def update(
         self,
@@ -83,8 +104,10 @@ class Scores:
             measure.feed(measure.metric, judged)
         self.motions += len(batch)
         if self.encoders is not None and self.evaluation.resamples and self.split == "test":
-            sides = ({k: x.cpu() for k, x in side.items()} for side in (judged.features, judged.true_features))
-            self.kept.append((*sides, self.groups.of_batch(batch).cpu()))  # type: ignore[arg-type]
+            generated, real = (
+                {k: x.cpu() for k, x in each.items()} for each in (judged.features, judged.true_features)
+            )
+            self.kept.append(Kept(int(batch.index[0]), generated, real, self.groups.of_batch(batch).cpu()))
         return judged
 
     def _probe(self, feature: Float[Tensor, "b f"], batch: Batch) -> None:
@@ -99,11 +122,17 @@ class Scores:
         found: dict[str, Tensor] = {}
         for measure in self.measures:
             found |= named(measure.name, measure.metric.compute())
-        if self.depth_error.update_called:
+        if any(everyones(self.depth_error.update_called)):
             found |= named("depth_error", self.depth_error.compute())
-        if self.depth_probe is not None and self.depth_probe.can_tell:
-            found |= named("depth_probe", self.depth_probe.compute())
-        return found | self._certainty()
+        return found | self._probed() | self._certainty()
+
+    def _probed(self) -> dict[str, Tensor]:
+        """What the depth probe found; a process may have seen no feature when others have."""
+        own = self.depth_probe
+        channels = max(everyones(own.channels if own else 0))
+        if not channels:
+            return {}
+        return named("depth_probe", (own or DepthProbe(channels).to(self.depth_error.device)).compute())
 
     def sheet(self) -> dict[str, Any]:
         """The metrics by name."""
@@ -118,10 +147,10 @@ class Scores:
 
     def protocol(self) -> dict[str, Any]:
         """What a reader must know to compare these figures with others."""
-        resampled = bool(self.kept) and self.groups.count > 1
+        resampled = any(everyones(bool(self.kept))) and self.groups.count > 1
         known = {
             "skeleton": self.data.skeleton.name,
-            "motions": self.motions,
+            "motions": sum(everyones(self.motions)),
             "samples": self.evaluation.samples,
             "groups": f"{self.groups.count} {self.groups.kind}",
             "resamples": self.evaluation.resamples if resampled else 0,
@@ -139,10 +168,11 @@ class Scores:
 
     def _certainty(self) -> dict[str, Tensor]:
         """The interval around Motion FID by resampling groups, and its extrapolation to infinite N."""
-        if self.motions < FEWEST or not self.kept:
+        kept = in_order(self.kept)
+        if sum(len(part.group) for part in kept) < FEWEST:
             return {}
-        generated, real = joined([part[0] for part in self.kept]), joined([part[1] for part in self.kept])
-        group = torch.cat([part[2] for part in self.kept]) if self.groups.count > 1 else None
+        generated, real = joined([part.generated for part in kept]), joined([part.real for part in kept])
+        group = torch.cat([part.group for part in kept]) if self.groups.count > 1 else None
         resamples, seed = self.evaluation.resamples, self.evaluation.seed
         found = named("motion_fid_infinity", motion_fid_infinity(generated, real, group, seed=seed))
         if group is not None:

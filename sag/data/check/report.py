@@ -69,10 +69,12 @@ class Report:
     Attributes:
         title: data set and place.
         sections: in order.
+        good: what is said where nothing is broken.
     """
 
     title: str
     sections: tuple[Section, ...]
+    good: str = "nothing is broken"
 
     def lines(self, verdict: Verdict) -> list[Line]:
         """Lines with this verdict."""
@@ -84,7 +86,7 @@ class Report:
         broken, unusual = (", ".join(dict.fromkeys(line.name for line in self.lines(v))) for v in ("broken", "look"))
         if broken:
             return f"BROKEN: {broken}"
-        return "nothing is broken" + (f"; worth a look: {unusual}" if unusual else "")
+        return self.good + (f"; worth a look: {unusual}" if unusual else "")
 
 
 def show(report: Report, console: Console) -> None:

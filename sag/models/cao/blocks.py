@@ -9,6 +9,7 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.models.batch_norm import BatchNorm2d
 from sag.types import Condition, Tensors
 
 
@@ -43,8 +44,8 @@ class ConvBlock(nn.Sequential):
 
     def __init__(self, in_channels: int, out_channels: int, stride: int = 1) -> None:
         super().__init__(
-            nn.Conv2d(in_channels, out_channels, 3, stride, 1, bias=False), nn.BatchNorm2d(out_channels), nn.ReLU(),
-            nn.Conv2d(out_channels, out_channels, 3, 1, 1, bias=False), nn.BatchNorm2d(out_channels), nn.ReLU(),
+            nn.Conv2d(in_channels, out_channels, 3, stride, 1, bias=False), BatchNorm2d(out_channels), nn.ReLU(),
+            nn.Conv2d(out_channels, out_channels, 3, 1, 1, bias=False), BatchNorm2d(out_channels), nn.ReLU(),
         )  # fmt: skip
 
 
@@ -80,9 +81,9 @@ class Residual(nn.Module):
         super().__init__()
         narrow = max(out_channels // 2, 1)
         self.convolutions = nn.Sequential(
-            nn.BatchNorm2d(in_channels), nn.ReLU(), nn.Conv2d(in_channels, narrow, 1, bias=False),
-            nn.BatchNorm2d(narrow), nn.ReLU(), nn.Conv2d(narrow, narrow, 3, 1, 1, bias=False),
-            nn.BatchNorm2d(narrow), nn.ReLU(), nn.Conv2d(narrow, out_channels, 1),
+            BatchNorm2d(in_channels), nn.ReLU(), nn.Conv2d(in_channels, narrow, 1, bias=False),
+            BatchNorm2d(narrow), nn.ReLU(), nn.Conv2d(narrow, narrow, 3, 1, 1, bias=False),
+            BatchNorm2d(narrow), nn.ReLU(), nn.Conv2d(narrow, out_channels, 1),
         )  # fmt: skip
         same = in_channels == out_channels
         self.shortcut = nn.Identity() if same else nn.Conv2d(in_channels, out_channels, 1)

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from torch import Tensor, nn
 
 from sag.geometry.camera import NEAREST, unproject
+from sag.models.batch_norm import BatchNorm2d
 from sag.models.cao.blocks import Hourglass, Residual, Seen, View
 from sag.models.cao.heat_maps import cell_centres
 from sag.types import FRAMES
@@ -67,7 +68,7 @@ class PathNet(nn.Module):
         self.into = Residual(2 * (channels // 4), channels)
         self.told = nn.Linear(told, channels)
         self.hourglass = Hourglass(channels, levels)
-        self.out = nn.Sequential(nn.BatchNorm2d(channels), nn.ReLU(), nn.Conv2d(channels, 2 * KNOTS, 1))
+        self.out = nn.Sequential(BatchNorm2d(channels), nn.ReLU(), nn.Conv2d(channels, 2 * KNOTS, 1))
         self.spline = Spline()
 
     def forward(

@@ -83,7 +83,8 @@ def test_wrong_features_are_refused():
         DepthProbe(4).update(feature, depth, FOLD)
     with pytest.raises(SagError, match="finite"):
         DepthProbe(5).update(feature / 0, depth, FOLD)
-    metric = DepthProbe(5)
-    metric.update(feature, depth, 0 * FOLD)
-    with pytest.raises(SagError, match=r"two pictures in each fold, found \[80, 0\]"):
-        metric.compute()
+
+
+def test_one_fold_tells_nothing():
+    feature, depth = pictures()
+    assert probed(feature, depth, 0 * FOLD) == {}
