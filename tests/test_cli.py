@@ -162,7 +162,7 @@ def test_a_real_run_leaves_everything(base: list[str], tmp_path: Path, capsys: p
     reference = ["--reference", str(run / "config.fit.yaml"), "--out", str(scored)]
     assert main(["score", str(tmp_path / "tested/predictions.npz"), *reference]) == 0
     found = json.loads(scored.read_text())
-    same = {name for name in again if not name.startswith(("raw/", "depth_error/"))}
+    same = {name for name in again if not name.startswith(("raw/", "depth_error/", "depth_probe/"))}
     assert {name: found["metrics"][name] for name in same} == {name: again[name] for name in same}
     assert found["ground_truth"]["motion_fid/average"] < 1e-9 < found["metrics"]["motion_fid/average"]
     assert found["protocol"] == metrics["protocol"]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import wandb
 from wandb.proto.wandb_internal_pb2 import Record
 
 from sag.report import main
@@ -76,7 +77,7 @@ def read_table(run: Path, logged: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 @pytest.fixture
-def reported(runs, monkeypatch, capsys: pytest.CaptureFixture[str]) -> Path:
+def reported(runs, monkeypatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Path]:
     """Six rows of two seeds, one failed and one with NaN, reported with `--wandb`."""
     monkeypatch.delenv("WANDB_MODE", raising=False)
     for place, row in enumerate(("none", "m", "md", "mdc", "mdp", "mdpc")):
@@ -87,7 +88,8 @@ def reported(runs, monkeypatch, capsys: pytest.CaptureFixture[str]) -> Path:
     path.write_text(path.read_text().replace('"non_collision/30": 0.92', '"non_collision/30": null'))
     assert main([str(runs.folder), "--wandb"]) == 0
     assert f"W&B: {runs.folder}/wandb/offline-run-" in capsys.readouterr().out
-    return runs.folder
+    yield runs.folder
+    wandb.teardown()  # or it goes on in the mode in which it first was asked
 
 
 def test_the_tables_are_read_back_from_the_offline_run(reported: Path) -> None:
