@@ -67,7 +67,7 @@ def test_a_command_of_two_processes_leaves_what_one_leaves(command: list[str], t
     assert done.stdout.count("the figures are in") == done.stdout.count("the checkpoint is") == 1
     left = {str(p.relative_to(tmp_path / "run")) for p in (tmp_path / "run").rglob("*") if p.is_file()}
     ours = {name for name in left if not name.startswith("wandb")}
-    assert ours == {"metrics.json", "progress.json", "config.fit.yaml", "checkpoints/last.ckpt"}
+    assert ours == {"metrics.json", "progress.json", "config.fit.yaml", "checkpoints/last.ckpt", "samples.png"}
     assert len([name for name in left if name.endswith(".wandb")]) == 1
     found = json.loads((tmp_path / "run/metrics.json").read_text())
     assert found["protocol"]["motions"] == 6 and found["steps"] == 3
