@@ -55,6 +55,7 @@ def usual_settings() -> dict[str, Any]:
         "fps": 30.0,
         "joints": len(GTA_IM_19.joints),
         "seams": (30,),
+        "channels": 4,
     }
 
 
@@ -66,7 +67,7 @@ def toy_inputs() -> dict[str, Any]:
     world = joints[..., [0, 2, 1]] * torch.tensor([1, 1, -1])
     world[..., 2] -= world[:, :1, FEET, 2].amin((1, 2))[:, None, None] - 0.085
     camera = torch.tensor([[120.0, 0, 64], [0, 120, 36], [0, 0, 1]]).expand(WINDOWS, 3, 3)
-    depth = torch.linspace(3, 6, 128).expand(WINDOWS, 72, 128)
+    depth = torch.linspace(3, 6, 128) * torch.linspace(1, 1.5, WINDOWS)[:, None, None].expand(-1, 72, -1)
     through_the_body = joints[:, 32, GTA_IM_19.root_index, 2].float()[:, None, None]
     return {
         "samples": samples,
@@ -81,6 +82,8 @@ def toy_inputs() -> dict[str, Any]:
         "index": torch.arange(WINDOWS),
         "predicted": depth + 1,
         "depth": depth,
+        "feature": samples[:, 0, 0, :4, 0],
+        "fold": torch.arange(WINDOWS) % 2,
     }
 
 

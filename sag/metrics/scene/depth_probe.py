@@ -91,7 +91,8 @@ class DepthProbe(PlottedMetric):
         errors = [self._errors(fitted=1 - number, tried=number) for number in (0, 1)]
         probed, mean = (sum(part) for part in zip(*errors))
         cells = CELLS[0] * CELLS[1]
-        return {"rmse": (probed / counts.sum() / cells).sqrt(), "explained": 1 - probed / mean}
+        explained = torch.where(mean > 0, 1 - probed / mean.clamp_min(1e-300), 0.0)  # nothing, where all is alike
+        return {"rmse": (probed.clamp_min(0) / counts.sum() / cells).sqrt(), "explained": explained}
 
     def _errors(self, fitted: int, tried: int) -> tuple[Tensor, Tensor]:
         """Summed squared errors of a probe, and of the mean map, of one fold in the other."""
