@@ -128,11 +128,12 @@ class Scores:
 
     def _probed(self) -> dict[str, Tensor]:
         """What the depth probe found; a process may have seen no feature when others have."""
-        own = self.depth_probe
-        channels = max(everyones(own.channels if own else 0))
+        channels = max(everyones(self.depth_probe.channels if self.depth_probe else 0))
         if not channels:
             return {}
-        return named("depth_probe", (own or DepthProbe(channels).to(self.depth_error.device)).compute())
+        # Kept, since a metric that has been computed does not speak with the others' again.
+        self.depth_probe = self.depth_probe or DepthProbe(channels).to(self.depth_error.device)
+        return named("depth_probe", self.depth_probe.compute())
 
     def sheet(self) -> dict[str, Any]:
         """The metrics by name."""
