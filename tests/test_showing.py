@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import torch
+import wandb
 from PIL import Image
 from toy_data import ToyDataModule
 
@@ -56,6 +57,7 @@ def test_the_last_epoch_is_shown_in_any_case(tmp_path, toy_cache):
 
 def test_wandb_gets_them_offline(tmp_path, toy_cache):
     fitted(tmp_path, toy_cache, 2, WandbOffline(save_dir=tmp_path, offline=True))
+    wandb.finish()  # or what logs next would log here
     media = {path.suffix for path in tmp_path.glob("wandb/offline-run-*/files/media/**/*") if path.is_file()}
     assert {".html", ".gif", ".png"} <= media
 
