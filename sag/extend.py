@@ -18,6 +18,7 @@ from sag.data.motion_file import MotionFile, write_motions
 from sag.errors import SagError
 from sag.methods.sliding import LONGEST_OVERLAP, sample_long, window_starts
 from sag.metrics import SeamJerk
+from sag.options import add_cache_dir
 from sag.runs import Run, read_run
 from sag.types import FRAMES, Batch
 
@@ -58,7 +59,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--windows", type=int, metavar="N", help="test windows (default: 100, or all of fewer)")
     made.add_argument("--seed", type=int, default=0, metavar="S", help="of what is drawn (default: 0)")
     made.add_argument("--out", type=Path, metavar="FILE.npz", help="default: extended.npz in the run's folder")
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
     return made
 
 

@@ -138,8 +138,12 @@ def sha256_of(path: Path) -> str:
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Writes a JSON file whole or not at all; what is no number, which JSON does not know, becomes null."""
-    text = json.dumps(finite(content), indent=1, sort_keys=True, allow_nan=False) + "\n"
-    write_whole(path, lambda file: file.write(text.encode()))
+    write_whole(path, lambda file: file.write(json_bytes(content)))
+
+
+def json_bytes(content: Mapping[str, Any]) -> bytes:
+    """What `write_json` writes."""
+    return (json.dumps(finite(content), indent=1, sort_keys=True, allow_nan=False) + "\n").encode()
 
 
 def finite(value: Any) -> Any:

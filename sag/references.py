@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,18 @@ from sag.parsing import one_sentence_each
 
 BESIDE = ("config.predict.yaml", "config.fit.yaml")
 """Configs that a run leaves beside a file of motions, the first that is there being the one that made it."""
+
+
+def add_reference(parser: argparse._ActionsContainer, whose: str, otherwise: str = "") -> None:
+    """Adds `--reference`, which `data_reference` reads.
+
+    Args:
+        parser: of a command.
+        whose: data set it is, for the help.
+        otherwise: what is taken where it is left out, if that has to be said.
+    """
+    told = f"{whose}: {', '.join(DATA_SETS)}, or a YAML file with a key `data`"
+    parser.add_argument("--reference", metavar="DATA", help=told + (f" (default: {otherwise})" if otherwise else ""))
 
 
 def config_beside(file: Path) -> str | None:

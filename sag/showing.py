@@ -18,7 +18,7 @@ from sag.errors import SagError
 from sag.files import write_whole
 from sag.film import overlay_frames, write_film
 from sag.film.encoding import every_frame
-from sag.film.samples import SHEET, SHEET_WINDOWS, sampled, spread_windows, stages_of, write_sheet
+from sag.film.samples import SHEET, sampled, spread_windows, stages_of, write_samples, write_sheet
 from sag.film.stage import Stage
 from sag.methods.base import Method
 from sag.viewer import page, shown_window
@@ -65,11 +65,8 @@ class ShownSamples(pl.Callback):
     def on_test_end(self, trainer: pl.Trainer, pl_module: pl.LightningModule) -> None:
         """Writes the contact sheet."""
         if isinstance(pl_module, Method) and _shows(trainer, pl_module):
-            data = pl_module.data
-            batch = windows_at(data, "test", spread_windows(data, "test", SHEET_WINDOWS))
             with as_evaluated(pl_module):
-                motions = sampled(pl_module, batch, 1, self.seed)
-            write_sheet(Path(trainer.default_root_dir) / SHEET, stages_of(data, batch, motions))
+                write_samples(Path(trainer.default_root_dir) / SHEET, pl_module, pl_module.data, self.seed)
 
     def _show(self, trainer: pl.Trainer, method: Method, path: Path) -> None:
         data = method.data

@@ -15,6 +15,7 @@ from sag.data.base import MotionDataModule
 from sag.data.motion_file import MotionFile, read_motions
 from sag.data.selection import windows_at
 from sag.errors import SagError
+from sag.film.samples import sampled
 from sag.references import config_beside, data_of
 from sag.runs import Run, read_runs
 from sag.types import Batch
@@ -68,7 +69,7 @@ class Sources:
             seed: of what is drawn.
         """
         place = int(batch.index[0])
-        rows = {run.name: _sampled(run, batch, samples, seed) for run in self.runs}
+        rows = {run.name: sampled(run.method, batch, samples, seed)[0] for run in self.runs}
         for name, motions in self.files.items():
             rows[name] = torch.from_numpy(motions.joints[self.rows[name][place]][:samples]).float()
         return rows
@@ -115,12 +116,3 @@ def _beside(paths: Sequence[Path]) -> str:
         if found := config_beside(path):
             return found
     raise SagError(f"{paths[0]} does not tell its data set; name it with --reference, such as rooms or a config")
-
-
-@torch.no_grad()
-def _sampled(run: Run, batch: Batch, samples: int, seed: int) -> Float[Tensor, "k t j 3"]:
-    """Motions of a window, the same whatever other windows are shown."""
-    device = run.method.device
-    generator = torch.Generator(device).manual_seed(seed)
-    drawn = run.method.samples(batch.to(device), samples, generator)
-    return torch.stack([motion.joints[0] for motion in drawn]).float().cpu()

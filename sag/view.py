@@ -6,11 +6,11 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from sag.data.known import DATA_SETS
 from sag.data.selection import chosen_windows
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
-from sag.references import BESIDE
+from sag.options import add_cache_dir
+from sag.references import BESIDE, add_reference
 from sag.sources import read_sources
 from sag.viewer import page, shown_window
 from sag.viewer.shown import MOST_MOTIONS
@@ -37,14 +37,10 @@ def parser() -> argparse.ArgumentParser:
         "--samples", type=int, default=5, metavar="K", help=f"motions of each, 1 to {MOST_MOTIONS} (default: 5)"
     )
     made.add_argument("--seed", type=int, default=0, metavar="S", help="of what is drawn (default: 0)")
-    made.add_argument(
-        "--reference", metavar="DATA",
-        help=f"data set of a file: {', '.join(DATA_SETS)}, or a YAML file with a key `data` (default: the runs', or "
-        f"the {BESIDE[0]} beside the file)",
-    )  # fmt: skip
+    add_reference(made, "data set of a file", f"the runs', or the {BESIDE[0]} beside the file")
     made.add_argument("--title", metavar="TEXT", help="of the page (default: the names of the rows)")
     made.add_argument("--out", type=Path, metavar="FILE.html", help="default: view.html beside the first source")
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
     return made
 
 

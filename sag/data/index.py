@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sag.errors import SagError
-from sag.files import write_json
+from sag.files import json_bytes, write_json
 
 NAME = "index.json"
 
@@ -21,9 +21,8 @@ ZEROS = "0" * 64
 
 def write_index(folder: Path, content: Mapping[str, Any]) -> None:
     """Writes the index of a cache whole or not at all."""
-    path = folder / NAME
-    write_json(path, {**content, SEAL: ZEROS})
-    write_json(path, {**content, SEAL: _checksum(path.read_bytes(), ZEROS)})
+    seal = _checksum(json_bytes({**content, SEAL: ZEROS}), ZEROS)
+    write_json(folder / NAME, {**content, SEAL: seal})
 
 
 def read_index(folder: Path) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import torch
 from torch.utils.data import BatchSampler, DataLoader, RandomSampler
 
-from sag.processes import processes, rank
+from sag.processes import own_rows, processes, rank
 from sag.types import Batch
 
 
@@ -35,8 +35,7 @@ class SharedBatches(BatchSampler):
 
     def __iter__(self) -> Iterator[list[int]]:
         for batch in super().__iter__():
-            share = len(batch) // processes()
-            yield batch[rank() * share : (rank() + 1) * share]
+            yield batch[own_rows(len(batch) // processes())]
 
 
 class OwnBatches(BatchSampler):

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
-from sag.data.known import DATA_SETS
 from sag.data.motion_file import MotionFile, read_motions
 from sag.errors import SagError
 from sag.export import Unit
 from sag.export.source import Source
 from sag.exporting.formats import FORMATS, OPTIONS, Written, formats_of, lost
-from sag.references import BESIDE, config_beside, data_of
+from sag.options import add_cache_dir
+from sag.references import BESIDE, add_reference, config_beside, data_of
 from sag.skeleton import Skeleton, skeleton_named
 from sag.text import plain
 
@@ -45,14 +45,10 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--rigid", action="store_true", help=".bvh: rotations only; what that moves is printed")
     made.add_argument("--unit", choices=get_args(Unit), default="cm", help=".bvh: of lengths (default: cm); .glb has m")
     made.add_argument("--level", action="store_true", help="guess up from a person who stands or walks")
-    made.add_argument(
-        "--reference", metavar="DATA",
-        help=f"data set of the file: {', '.join(DATA_SETS)}, or a YAML file with a key `data` (default: the "
-        f"{BESIDE[0]} or {BESIDE[1]} beside it, if there is one)",
-    )  # fmt: skip
+    add_reference(made, "data set of the file", f"the {BESIDE[0]} or {BESIDE[1]} beside it, if there is one")
     made.add_argument("--skeleton", metavar="NAME", help="name, or its .yaml file, where the file does not tell it")
     made.add_argument("--fps", type=float, metavar="F", help="frames a second, where the file does not tell it")
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
     return made
 
 

@@ -18,6 +18,7 @@ from sag.figure7.plot import plot_of
 from sag.figure7.spread import TRAJECTORIES, End, Spread, TakesEnd, check_samples, spreads_of
 from sag.figure7.written import content_of, spreadsheet
 from sag.files import write_json
+from sag.options import add_cache_dir
 from sag.report.plot import STYLE
 from sag.runs import read_runs
 
@@ -48,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
         default="densest",
         help="the common end point: the densest of the drawn ones (default), or the true one",
     )
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
     return made
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from sag.data.base import MotionDataModule
-from sag.data.selection import spread
+from sag.data.selection import spread, windows_at
 from sag.export.upright import Upright, up_of
 from sag.files import write_whole
 from sag.film.stage import Stage, stage_of
@@ -48,6 +48,12 @@ def stages_of(
         upright = Upright.at(joints[0, 0], data.skeleton, up_of(world2cam), data.ankle_height)
         stages.append(stage_of(joints, data.skeleton, data.fps, upright, data, place, with_surface))
     return stages
+
+
+def write_samples(path: Path, method: Method, data: MotionDataModule, seed: int) -> None:
+    """Writes a contact sheet of what a method draws for some test windows, one motion for each."""
+    batch = windows_at(data, "test", spread_windows(data, "test", SHEET_WINDOWS))
+    write_sheet(path, stages_of(data, batch, sampled(method, batch, 1, seed)))
 
 
 def write_sheet(path: Path, stages: Sequence[Stage]) -> None:

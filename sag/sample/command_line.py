@@ -11,13 +11,13 @@ from typing import Any
 import torch
 import yaml
 
-from sag.data.known import DATA_SETS
 from sag.data.motion_file import MotionFile, write_motions
 from sag.errors import SagError
 from sag.exporting import main as export
 from sag.exporting.formats import FORMATS
 from sag.files import write_whole, writing_in
-from sag.references import BESIDE
+from sag.options import add_cache_dir
+from sag.references import BESIDE, add_reference
 from sag.runs import read_run
 from sag.sample.drawing import LEAST_FRAMES, drawn
 from sag.sample.photo import add_photo_options, check_photo_options, photo_source
@@ -60,11 +60,8 @@ def parser() -> argparse.ArgumentParser:
     which = made.add_argument_group("from a data set").add_mutually_exclusive_group()
     which.add_argument("--windows", type=int, metavar="N", help="test windows, evenly spread (default: 1)")
     which.add_argument("--window", type=int, nargs="+", metavar="I", help="these test windows, by place in the data")
-    made.add_argument(
-        "--reference", metavar="DATA",
-        help=f"another data set than the run's: {', '.join(DATA_SETS)}, or a YAML file with a key `data`",
-    )  # fmt: skip
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_reference(made, "another data set than the run's")
+    add_cache_dir(made)
     add_photo_options(made.add_argument_group("from a photograph"))
     return made
 

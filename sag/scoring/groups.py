@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import torch
 from jaxtyping import Int
 from torch import Tensor
 
@@ -40,7 +42,17 @@ class Groups:
     @property
     def count(self) -> int:
         """How many groups there are."""
-        return len(np.unique(self.of_rows))
+        return len(self._known)
+
+    @cached_property
+    def _known(self) -> Int[np.ndarray, " g"]:
+        """Every group once, ascending."""
+        return np.unique(self.of_rows)
+
+    def fold_of_batch(self, batch: Batch) -> Int[Tensor, " b"]:
+        """0 or 1 for each window of a batch: every other group is in the same fold."""
+        known = torch.from_numpy(self._known).to(batch.index.device)
+        return torch.searchsorted(known, self.of_batch(batch)) % 2
 
     def of_batch(self, batch: Batch) -> Int[Tensor, " b"]:
         """Group of each window of a batch."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
@@ -114,8 +113,7 @@ class Scores:
         """Adds pictures to the depth probe, which is fitted on every other group and tried on those between."""
         if self.depth_probe is None:
             self.depth_probe = DepthProbe(feature.shape[1]).to(feature.device)
-        fold = torch.from_numpy(np.unique(self.groups.of_rows)).to(batch.index.device)
-        self.depth_probe.update(feature, batch.scene.depth, torch.searchsorted(fold, self.groups.of_batch(batch)) % 2)
+        self.depth_probe.update(feature, batch.scene.depth, self.groups.fold_of_batch(batch))
 
     def compute(self) -> dict[str, Tensor]:
         """Every figure by its name, such as `motion_fid/average`."""

@@ -12,7 +12,8 @@ import matplotlib
 from sag.data.selection import chosen_windows, windows_at
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
-from sag.film.samples import SHEET, SHEET_WINDOWS, sampled, spread_windows, stages_of, write_sheet
+from sag.film.samples import SHEET, sampled, stages_of, write_samples
+from sag.options import add_cache_dir
 from sag.report.plot import NO_METADATA, STYLE
 from sag.runs import Run, read_runs, run_places
 from sag.strips.figure import Panel, strips_of
@@ -43,7 +44,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--out", type=Path, metavar="FILE", help=f"strips: in .{', .'.join(FORMATS)} (default: strips.png)"
     )
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
     return made
 
 
@@ -99,8 +100,7 @@ def _sheets(asked: argparse.Namespace) -> int:
     """Writes the contact sheet of every run into its folder."""
     for folder in [place for given in asked.runs for place in run_places(given)]:
         (run,) = read_runs([folder], asked.cache_dir)
-        batch = windows_at(run.data, "test", spread_windows(run.data, "test", SHEET_WINDOWS))
         with writing_in(folder, "it must be a folder that can be written"):
-            write_sheet(folder / SHEET, stages_of(run.data, batch, sampled(run.method, batch, 1, asked.seed)))
+            write_samples(folder / SHEET, run.method, run.data, asked.seed)
         print(f"{run.name}: {plain(str(folder / SHEET))}")
     return 0

@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from sag.options import add_cache_dir
+
 DESCRIPTION = """\
 The user study of the paper's Table 5: people score motions from 1 to 5 for how they fit the scene, and for how the
 body fits the way it goes, without knowing which method made them.
@@ -51,7 +53,7 @@ def _make(commands: argparse._SubParsersAction) -> None:
         "--note", type=Path, metavar="FILE", help="plain text that raters read first: who asks, what for, consent"
     )
     made.add_argument("--reference", metavar="DATA", help="data set of files of motions, as for sag view")
-    made.add_argument("--cache-dir", type=Path, metavar="DIR", help="folder of the window caches, if it was moved")
+    add_cache_dir(made)
 
 
 def _serve(commands: argparse._SubParsersAction) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import lightning.pytorch as pl
 import pytest
 import torch
+from killing import Kill, Killed
 from lightning.pytorch.callbacks import ModelCheckpoint
 from torch.utils.data import DataLoader, RandomSampler
 from toy_data import ToyDataModule
@@ -34,21 +35,6 @@ METHODS: dict[str, Callable[[], pl.LightningModule]] = {
     "cao": lambda: Cao(TINY),
     "erd": lambda: ERDTraining(width=0.04),
 }
-
-
-class Killed(Exception):
-    """What ends a run in these tests, without a word to anyone."""
-
-
-class Kill(pl.Callback):
-    """Ends a run when a batch begins, counted over all epochs."""
-
-    def __init__(self, at: int | None) -> None:
-        self.at = at
-
-    def on_train_batch_start(self, trainer: pl.Trainer, *args: Any) -> None:
-        if trainer.fit_loop.epoch_loop.total_batch_idx == self.at:
-            raise Killed
 
 
 class Validating(ToyDataModule):

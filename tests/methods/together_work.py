@@ -10,6 +10,7 @@ from typing import Any
 
 import lightning.pytorch as pl
 import torch
+from killing import Kill, Killed
 from lightning.pytorch.strategies import FSDPStrategy
 from torch import Tensor
 from toy_data import ToyDataModule
@@ -51,21 +52,6 @@ TESTED: dict[str, Callable[[], pl.LightningModule]] = {
 }
 CASES = [("sag", 2), ("sag", 6), ("cao", 2), ("ground_truth", 2)]
 """Methods and windows of a test batch: the six test windows make three batches, or one and the second process none."""
-
-
-class Killed(Exception):
-    """What ends a run in these tests."""
-
-
-class Kill(pl.Callback):
-    """Ends a run when a batch begins."""
-
-    def __init__(self, at: int | None) -> None:
-        self.at = at
-
-    def on_train_batch_start(self, trainer: pl.Trainer, *args: Any) -> None:
-        if trainer.fit_loop.epoch_loop.total_batch_idx == self.at:
-            raise Killed
 
 
 class Gradients(pl.Callback):
