@@ -17,8 +17,8 @@ from sag.data.rooms.placed import Placed
 from sag.data.rooms.room import Room
 from sag.data.rooms.routes import SPACING, Router
 
-SHORTEST, LONGEST = 6.0, 9.0
-"""Length of a recording, seconds."""
+SHORTEST, LONGEST = 3.2, 4.2
+"""Length of a recording, seconds: many short ones, so that places and ways differ more than windows overlap."""
 
 ACTIONS: dict[str, float] = {"walk": 0.5, "stand": 0.15, "reach": 0.13, "sit": 0.22}
 """What people do next, and how often."""
