@@ -85,6 +85,10 @@ chaos: install ## Kill a sweep 60 times at random moments, flip bits, fill disks
 	$(BIN)/python -m pytest tests/test_checkpoints.py tests/methods/test_diverging.py tests/methods/test_resume.py
 	$(BIN)/python tests/chaos.py $(EXTRA)
 
+.PHONY: study-chaos
+study-chaos: install ## Kill the server of a user study 20 times while raters answer: no acknowledged answer may be lost.
+	$(BIN)/python tests/study_chaos.py $(EXTRA)
+
 # The peers of the bench extra, without what they want: in a folder of their own, so that nothing installed changes.
 $(VENV)/peers/installed: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --no-deps --upgrade --constraint constraints.txt --target $(VENV)/peers \

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import importlib
 import io
 import sys
 from collections.abc import Callable
@@ -17,11 +18,17 @@ TOOLS = {
     "sweep": "runs every row of a sweep file",
     "report": "lays finished rows side by side",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
+    "sample": "motions from your own photograph or a window, as files and films",
+    "figure": "strips of poses in one picture, the same scenes over runs (the paper's Figures 1, 4, 8)",
     "extend": "samples motions of any length from a trained run",
-    "export": "motions of a file as BVH and animated glTF for Blender and others",
+    "export": "motions of a file as BVH, animated glTF, films and more",
     "view": "motions in their scenes as one HTML file for any browser",
+    "study": "the paper's user study (Table 5): people score motions without knowing whose they are",
 }
 """Subcommands that do not train, with what they do."""
+
+PLACES = {"data": "data.command", "figure": "strips", "export": "exporting"}
+"""Where tools lie that are not called by their module's name."""
 
 TRAINING = ("fit", "run", "validate", "test", "predict")
 """Subcommands of the Lightning command line; `run` is fit, then test."""
@@ -64,22 +71,8 @@ def _dispatch(arguments: list[str]) -> int:
 
 
 def _tool(name: str) -> Callable[[list[str]], int]:
-    if name == "data":
-        from sag.data.command import main as tool
-    elif name == "score":
-        from sag.score import main as tool
-    elif name == "sweep":
-        from sag.sweep import main as tool
-    elif name == "figure7":
-        from sag.figure7 import main as tool
-    elif name == "extend":
-        from sag.extend import main as tool
-    elif name == "export":
-        from sag.exporting import main as tool
-    elif name == "view":
-        from sag.view import main as tool
-    else:
-        from sag.report import main as tool
+    """The `main` of a tool; only the tool that is called is imported."""
+    tool: Callable[[list[str]], int] = importlib.import_module(f"sag.{PLACES.get(name, name)}").main
     return tool
 
 

@@ -18,7 +18,7 @@ from sag.data.motion_file import MotionFile, write_motions
 from sag.errors import SagError
 from sag.methods.sliding import LONGEST_OVERLAP, sample_long, window_starts
 from sag.metrics import SeamJerk
-from sag.runs import Run, read_runs
+from sag.runs import Run, read_run
 from sag.types import FRAMES, Batch
 
 COLUMNS = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out = _out(asked.out or asked.run / "extended.npz")
     if asked.samples < 1:
         raise SagError(f"--samples is {asked.samples}; at least one motion of each window is needed")
-    run = _run(asked.run, asked.cache_dir)
+    run = read_run(asked.run, asked.cache_dir)
     batches = run.windows(asked.windows)
     overlaps = dict.fromkeys((1, asked.overlap)) if asked.frames > FRAMES else (asked.overlap,)
     console = Console()
@@ -140,11 +140,3 @@ def _out(path: Path) -> Path:
     if path.suffix != ".npz" or path.is_dir():
         raise SagError(f"--out {path} must be a file that ends in .npz")
     return path
-
-
-def _run(folder: Path, cache_dir: Path | None) -> Run:
-    """The one run in a folder."""
-    runs = read_runs([folder], cache_dir)
-    if len(runs) > 1:
-        raise SagError(f"{folder} is a sweep of {len(runs)} rows; name one of them, such as {folder / runs[0].name}")
-    return runs[0]

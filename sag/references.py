@@ -56,6 +56,19 @@ def data_of(name: str, cache_dir: Path | None = None) -> MotionDataModule:
     content = data_reference(name)
     if cache_dir is not None:
         content = {**content, "init_args": {**(content.get("init_args") or {}), "cache_dir": str(cache_dir)}}
+    return data_from(content, name)
+
+
+def data_from(content: dict[str, Any], name: str) -> MotionDataModule:
+    """The data set of a class and its options.
+
+    Args:
+        content: `class_path` and `init_args`.
+        name: what the sentence calls it.
+
+    Raises:
+        SagError: its options are wrong.
+    """
     parser = ArgumentParser(exit_on_error=False)
     parser.add_subclass_arguments(MotionDataModule, "data", required=True)
     with one_sentence_each(about=f"--reference {name}: "):

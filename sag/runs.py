@@ -67,7 +67,7 @@ def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Ru
     """
     if cache_dir is not None and not cache_dir.is_dir():
         raise SagError(f"--cache-dir {cache_dir} is no folder; name the one that holds the window caches")
-    places = [place for folder in folders for place in _places(folder)]
+    places = [place for folder in folders for place in run_places(folder)]
     names = [place.resolve().name for place in places]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -77,7 +77,43 @@ def read_runs(folders: Sequence[Path], cache_dir: Path | None = None) -> list[Ru
     return runs
 
 
-def _places(folder: Path) -> list[Path]:
+def read_run(place: Path, cache_dir: Path | None = None) -> Run:
+    """The one trained method of a folder, or of a checkpoint in it.
+
+    Args:
+        place: folder of a run, or a .ckpt file in its `checkpoints` or beside its config.
+        cache_dir: where the window caches are, if not where the run had them.
+
+    Raises:
+        SagError: there is none, there are several, or a file is missing or damaged.
+    """
+    if place.is_file():
+        folder = run_folder(place)
+        return _read(folder, folder.resolve().name, cache_dir, place)
+    runs = read_runs([place], cache_dir)
+    if len(runs) > 1:
+        raise SagError(f"{place} is a sweep of {len(runs)} rows; name one of them, such as {place / runs[0].name}")
+    return runs[0]
+
+
+def run_folder(place: Path) -> Path:
+    """The folder in which the config of a run lies.
+
+    Args:
+        place: the folder itself, or a checkpoint in its `checkpoints` or beside its config.
+
+    Raises:
+        SagError: a checkpoint has no config.
+    """
+    if not place.is_file():
+        return place
+    folder = place.parent.parent if place.parent.name == FOLDER else place.parent
+    if not (folder / CONFIG).is_file():
+        raise SagError(f"{place} has no {CONFIG} in {folder}; give the checkpoint in the folder of its run")
+    return folder
+
+
+def run_places(folder: Path) -> list[Path]:
     """The folder itself, or the finished rows in it: those with figures and a checkpoint."""
     if (folder / CONFIG).is_file():
         return [folder]
@@ -88,7 +124,8 @@ def _places(folder: Path) -> list[Path]:
     return found
 
 
-def _read(folder: Path, name: str, cache_dir: Path | None) -> Run:
+def _read(folder: Path, name: str, cache_dir: Path | None, checkpoint_path: Path | None = None) -> Run:
+    path = checkpoint_path or folder / CHECKPOINT
     content = _config(folder / CONFIG)
     if cache_dir is not None:
         content["data"].setdefault("init_args", {})["cache_dir"] = str(cache_dir)
@@ -101,11 +138,11 @@ def _read(folder: Path, name: str, cache_dir: Path | None) -> Run:
         parser.link_arguments(f"data.init_args.{argument}", f"model.init_args.{argument}")
     with one_sentence_each(about=f"{folder / CONFIG} is not of this version: "):
         made = parser.instantiate_classes(parser.parse_object(content))
-    checkpoint = WholeCheckpoints().load_checkpoint(folder / CHECKPOINT)
+    checkpoint = WholeCheckpoints().load_checkpoint(path)
     made.model.on_load_checkpoint(checkpoint)
     made.model.load_state_dict(checkpoint["state_dict"])
     if not made.model.trained:
-        raise SagError(f"{folder / CHECKPOINT} is of a {type(made.model).__name__} that was not trained to the end")
+        raise SagError(f"{path} is of a {type(made.model).__name__} that was not trained to the end")
     device = "cuda" if torch.cuda.is_available() else "cpu"
     return Run(name, made.model.to(device).eval(), made.data)
 

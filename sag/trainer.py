@@ -12,6 +12,7 @@ from sag.errors import SagError
 from sag.methods.base import Method
 from sag.methods.terms import LOSS_LIMIT
 from sag.randomness import RandomStates
+from sag.showing import ShownSamples
 
 NEWEST = "last"
 """What `--ckpt_path` says for the newest good checkpoint of the run's own folder, if there is one."""
@@ -27,6 +28,7 @@ class Trainer(pl.Trainer):
         save_every_seconds: time between two checkpoints in the midst of an epoch.
         save_every_n_batches: batches between two checkpoints, besides the time.
         loss_limit: magnitude at which a term of the loss has exploded and ends the training.
+        show_every_n_epochs: epochs from one page, film and sheet of samples to the next; none when left out.
         kwargs: Lightning's.
     """
 
@@ -38,6 +40,7 @@ class Trainer(pl.Trainer):
         save_every_seconds: float = 60.0,
         save_every_n_batches: int | None = None,
         loss_limit: float = LOSS_LIMIT,
+        show_every_n_epochs: int | None = None,
         **kwargs: Any,
     ) -> None:
         _check_positive(
@@ -45,7 +48,8 @@ class Trainer(pl.Trainer):
         )
         self.save_every_seconds, self.save_every_n_batches = save_every_seconds, save_every_n_batches
         self.loss_limit = loss_limit
-        plugins, callbacks = [*_listed(plugins), WholeCheckpoints()], [*_listed(callbacks), RandomStates()]
+        plugins = [*_listed(plugins), WholeCheckpoints()]
+        callbacks = [*_listed(callbacks), ShownSamples(show_every_n_epochs), RandomStates()]
         super().__init__(*args, plugins=plugins, callbacks=callbacks, **kwargs)
 
     def fit(

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
-import torch
-from jaxtyping import Float
-from torch import Tensor
-
-from sag.data.base import MotionDataModule, Windows
 from sag.data.known import DATA_SETS
-from sag.data.motion_file import MotionFile, read_motions
+from sag.data.selection import chosen_windows
 from sag.errors import SagError
 from sag.files import write_whole, writing_in
-from sag.references import BESIDE, config_beside, data_of
-from sag.runs import Run, read_runs
-from sag.types import Batch
-from sag.viewer import ShownWindow, page, shown_window
+from sag.references import BESIDE
+from sag.sources import read_sources
+from sag.viewer import page, shown_window
 from sag.viewer.shown import MOST_MOTIONS
 
 DESCRIPTION = """\
@@ -66,8 +58,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not 1 <= asked.samples <= MOST_MOTIONS:
         raise SagError(f"--samples is {asked.samples}; a page tells 1 to {MOST_MOTIONS} motions of a row apart")
     out = _out(asked.out, asked.sources[0])
-    sources = _sources(asked)
-    windows = [_window(sources, batch, asked) for batch in _batches(sources, asked)]
+    sources = read_sources(asked.sources, asked.reference, asked.cache_dir)
+    whose = f"of {sources.data.name} that these sources have"
+    chosen = chosen_windows(sources.places, asked.window, asked.windows, whose)
+    windows = [
+        shown_window(sources.data, batch, sources.motions(batch, asked.samples, asked.seed))
+        for batch in sources.batches(chosen)
+    ]
     names = ", ".join(row.name for row in windows[0].rows)
     text = page(windows, sources.data.skeleton, sources.data.fps, asked.title or f"{names}: motions in their scene")
     with writing_in(out, "give another file by --out"):
@@ -76,104 +73,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"{said}; rows: {names}")
     print(f"the page is in {out} ({len(text) / 1e6:.1f} MB): open it in a browser")
     return 0
-
-
-@dataclass(frozen=True)
-class Sources:
-    """What is shown.
-
-    Attributes:
-        data: where all windows come from.
-        runs: that are sampled.
-        files: motions, by the name of their row.
-    """
-
-    data: MotionDataModule
-    runs: list[Run]
-    files: dict[str, MotionFile]
-
-    @cached_property
-    def rows(self) -> dict[str, dict[int, int]]:
-        """For each file, its row of each window of the data set."""
-        return {name: motions.by_window(self.data) for name, motions in self.files.items()}
-
-    @property
-    def places(self) -> list[int]:
-        """Test windows, by place in the data set, that every file continues."""
-        known = self.data.cache.rows("test").tolist()
-        return [place for place in known if all(place in rows for rows in self.rows.values())]
-
-
-def _sources(asked: argparse.Namespace) -> Sources:
-    paths = [path for path in asked.sources if path.suffix == ".npz" or path.is_file()]
-    folders = [path for path in asked.sources if path not in paths]
-    if missing := [path for path in asked.sources if not path.exists()]:
-        raise SagError(f"{missing[0]} does not exist; name the folder of a run or sweep, or a .npz of motions")
-    files = {_name(path): read_motions(path) for path in paths}
-    runs = read_runs(folders, asked.cache_dir) if folders else []
-    names = [run.name for run in runs] + [_name(path) for path in paths]
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise SagError(f"two of the sources are called {twice[0]!r}, and rows are told apart by name: rename one")
-    data = runs[0].data if runs and asked.reference is None else data_of(_reference(asked, paths), asked.cache_dir)
-    for run in runs:
-        if run.data.cache.fingerprint != data.cache.fingerprint:
-            raise SagError(f"--reference {asked.reference} has not the windows that {run.name} was trained for")
-    return Sources(data, runs, files)
-
-
-def _name(path: Path) -> str:
-    """What a file's row is called: by its folder where it has the usual name."""
-    return path.resolve().parent.name if path.stem == "predictions" else path.stem
-
-
-def _reference(asked: argparse.Namespace, paths: Sequence[Path]) -> str:
-    """What tells the data set: the option, or a config beside a file."""
-    if asked.reference is not None:
-        return asked.reference
-    for path in paths:
-        if found := config_beside(path):
-            return found
-    raise SagError(f"{paths[0]} does not tell its data set; name it with --reference, such as rooms or a config")
-
-
-def _batches(sources: Sources, asked: argparse.Namespace) -> list[Batch]:
-    """The windows asked for, one by one, with their depth clouds where the data set has them."""
-    places = sources.places
-    if asked.window is not None:
-        chosen = list(dict.fromkeys(asked.window))
-        if unknown := [place for place in chosen if place not in set(places)]:
-            near = min(places, key=lambda place: abs(place - unknown[0]), default="none at all")
-            raise SagError(
-                f"--window {unknown[0]} is no test window of {sources.data.name} that these sources have; the nearest "
-                f"is {near}"
-            )
-    elif not 1 <= asked.windows <= len(places):
-        raise SagError(f"--windows is {asked.windows}, and there are {len(places)} test windows in these sources")
-    else:
-        # The middle of equal stretches, so that one window is not always the first.
-        chosen = [places[int((turn + 0.5) * len(places) / asked.windows)] for turn in range(asked.windows)]
-    cache = sources.data.cache
-    order = {place: turn for turn, place in enumerate(cache.rows("test").tolist())}
-    clouds = bool((cache.cloud_row[chosen] >= 0).all())
-    windows = Windows(cache, "test", sources.data.skeleton, with_cloud=clouds)
-    return [windows[order[place]] for place in chosen]
-
-
-def _window(sources: Sources, batch: Batch, asked: argparse.Namespace) -> ShownWindow:
-    place = int(batch.index[0])
-    rows: dict[str, Tensor] = {run.name: _sampled(run, batch, asked) for run in sources.runs}
-    for name, motions in sources.files.items():
-        rows[name] = torch.from_numpy(motions.joints[sources.rows[name][place]][: asked.samples]).float()
-    return shown_window(sources.data, batch, rows)
-
-
-@torch.no_grad()
-def _sampled(run: Run, batch: Batch, asked: argparse.Namespace) -> Float[Tensor, "k t j 3"]:
-    """Motions of a window, the same whatever other windows are shown."""
-    device = run.method.device
-    generator = torch.Generator(device).manual_seed(asked.seed)
-    drawn = run.method.samples(batch.to(device), asked.samples, generator)
-    return torch.stack([motion.joints[0] for motion in drawn]).float().cpu()
 
 
 def _out(path: Path | None, source: Path) -> Path:

@@ -63,13 +63,17 @@ class TinySweep:
         (folder / "tiny.yaml").write_text(text)
         (folder / "sweep.yaml").write_text(SWEEP.replace("ROWS", configs).replace("TINY", str(folder / "tiny.yaml")))
 
-    def start(self) -> subprocess.Popen[bytes]:
-        """The sweep in a process of its own, which leads a group."""
+    def start(self, *options: str) -> subprocess.Popen[bytes]:
+        """The sweep in a process of its own, which leads a group.
+
+        Args:
+            options: further ones of `sag sweep`.
+        """
         command = [sys.executable, "-m", "sag", "sweep", str(self.folder / "sweep.yaml"), "--out", str(self.out)]
         environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}", "WANDB_MODE": "offline"}
         with (self.folder / "sweep.log").open("ab") as log:
             return subprocess.Popen(
-                [*command, "--jobs", str(self.jobs)],
+                [*command, "--jobs", str(self.jobs), *options],
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 env=environment,

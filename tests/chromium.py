@@ -38,9 +38,10 @@ class Browser:
 
     def __init__(self, path: str, profile: Path, *flags: str) -> None:
         down, up = _high_pipe(), _high_pipe()
-        actions = [(os.POSIX_SPAWN_DUP2, down[0], 3), (os.POSIX_SPAWN_DUP2, up[1], 4)]
         quiet = os.open(os.devnull, os.O_WRONLY)
-        actions += [(os.POSIX_SPAWN_DUP2, quiet, 2)]
+        # Errors go first: the number that they are opened by may be one that the browser is to have its pipes by.
+        actions = [(os.POSIX_SPAWN_DUP2, quiet, 2)]
+        actions += [(os.POSIX_SPAWN_DUP2, down[0], 3), (os.POSIX_SPAWN_DUP2, up[1], 4)]
         arguments = [path, *FLAGS, *flags, f"--user-data-dir={profile}", "about:blank"]
         self.process = os.posix_spawn(path, arguments, dict(os.environ), file_actions=actions, setsid=True)
         for end in (down[0], up[1], quiet):
@@ -119,7 +120,11 @@ class Tab:
 
     def open(self, path: Path) -> None:
         """Loads a file."""
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.visit(path.resolve().as_uri())
+
+    def visit(self, url: str) -> None:
+        """Loads an address."""
+        self.call("Page.navigate", url=url)
         self.until("document.readyState === 'complete'")
 
     def value(self, script: str) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 import lightning.pytorch as pl
 import numpy as np
 import torch
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
 from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
@@ -84,6 +84,9 @@ class MotionDataModule(pl.LightningDataModule, ABC):
 
     ankle_height: float = 0.085
     """Height of a standing person's ankle joint over the floor, metres."""
+
+    recorded: bool = True
+    """Whether windows have a motion that was recorded, and not a first pose alone."""
 
     def __init__(
         self,
@@ -196,6 +199,16 @@ class MotionDataModule(pl.LightningDataModule, ABC):
             window: its place in the data set.
         """
         return np.asarray(self.cache.image[window])
+
+    def picture_with_camera(self, window: int) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
+        """`picture`, and the camera matrix in its pixels.
+
+        Args:
+            window: its place in the data set.
+        """
+        picture = np.asarray(self.picture(window))
+        larger = picture.shape[1] / self.cache.image.shape[2]
+        return picture, np.asarray(self.cache.intrinsics[window], np.float64) * np.array([[larger], [larger], [1.0]])
 
     def geometry(self, room: int) -> KnownGeometry | None:
         """Solids and floor of a room, where they are known and not only seen."""

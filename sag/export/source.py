@@ -106,14 +106,21 @@ class Source:
         """
         if self.data is None:
             raise SagError(f"--scene: {self.motions.path} does not tell its data set; name it by --reference")
-        return surface_of(self.data, window).stood_up(self.upright(window))
+        if window not in self._surfaces:  # the samples of a window share it
+            self._surfaces.clear()
+            self._surfaces[window] = surface_of(self.data, window).stood_up(self.upright(window))
+        return self._surfaces[window]
+
+    @cached_property
+    def _surfaces(self) -> dict[int, Surface]:
+        return {}
 
     def view(self, window: int) -> View:
         """The camera, which sees at least what the picture shows: one of glTF cannot look past its middle."""
         height, aspect = LENS
         if self.data is not None:
-            matrix = np.asarray(self.data.cache.intrinsics[window], dtype=np.float64)
-            rows, columns = self.data.cache.image.shape[1:3]
+            picture, matrix = self.data.picture_with_camera(window)
+            rows, columns = picture.shape[:2]
             sides = ((1, rows), (0, columns))
             up, across = (max(matrix[i, 2], size - matrix[i, 2]) / matrix[i, i] for i, size in sides)
             height, aspect = float(2 * np.arctan(up)), float(across / up)

@@ -46,12 +46,17 @@ class Surface:
         return replace(self, points=upright.from_camera(self.points))
 
 
-def surface_of(data: MotionDataModule, window: int) -> Surface:
+def surface_of(
+    data: MotionDataModule,
+    window: int,
+    seen: tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]] | None = None,
+) -> Surface:
     """The place that a window shows, in the camera frame of frame 0, metres.
 
     Args:
         data: the data set.
         window: its place in the data set.
+        seen: its picture and camera, where they are at hand: data sets may have to draw them.
 
     Raises:
         SagError: the window has no depth.
@@ -63,8 +68,9 @@ def surface_of(data: MotionDataModule, window: int) -> Surface:
         row = cache.cloud_row[window]
         depth, intrinsics = cache.cloud_depth[row] * DEPTH_UNIT, cache.cloud_intrinsics[row]
     points = _points(depth, intrinsics)
-    seen = project(torch.from_numpy(points)[None], torch.from_numpy(np.float64(cache.intrinsics[window]))[None])[0]
-    places = seen.numpy() / np.array(person.shape[::-1])
+    picture, camera = seen or data.picture_with_camera(window)
+    pixels = project(torch.from_numpy(points)[None], torch.from_numpy(camera)[None])[0]
+    places = pixels.numpy() / np.array(picture.shape[1::-1])
     known = (points[..., 2] > 0) & (places >= 0).all(axis=-1) & (places <= 1).all(axis=-1)
     step = max(1, int(np.ceil(np.sqrt(known.sum() / MOST_POINTS))))
     points, places, known = (array[::step, ::step] for array in (points, places, known))
@@ -72,8 +78,8 @@ def surface_of(data: MotionDataModule, window: int) -> Surface:
     if not len(triangles):
         raise SagError(f"window {window} of {data.name} has no depth to make a surface of; leave --scene out")
     used, triangles = np.unique(triangles, return_inverse=True)
-    picture = empty_picture(np.asarray(data.picture(window)), person)
-    return Surface(points.reshape(-1, 3)[used], places.reshape(-1, 2)[used], triangles.reshape(-1, 3), picture)
+    empty = empty_picture(picture, person)
+    return Surface(points.reshape(-1, 3)[used], places.reshape(-1, 2)[used], triangles.reshape(-1, 3), empty)
 
 
 def _points(depth: Float[np.ndarray, "h w"], intrinsics: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "h w 3"]:

@@ -12,7 +12,6 @@ from torch import Tensor, nn
 
 from sag.models.resnet import ResNet18
 
-
 FeatureNorm = Literal["none", "batch"]
 """How f is brought to scale: left as the linear layer makes it, or every number to deviation 1 over a batch."""
 

@@ -32,15 +32,22 @@ def write_report(lines: Sequence[Line], title: str, out: Path) -> tuple[Report, 
     (out / "table.md").write_text(markdown(report), encoding="utf-8")
     (out / "table.tex").write_text(latex(report), encoding="utf-8")
     (out / "table.csv").write_text(spreadsheet(lines, paper), encoding="utf-8")
-    (out / "table.html").write_text(html(whole, svg_of(plot), list(map(svg_of, letters.values()))), encoding="utf-8")
+    further = [svg_of(canvas) for canvas in letters.values()]
+    (out / "table.html").write_text(html(whole, svg_of(plot), further, _sheets(lines)), encoding="utf-8")
     names = ["table.md, .csv, .tex, .html"]
     if statistics := statistics_csv(evidence):
         (out / "statistics.csv").write_text(statistics, encoding="utf-8")
         names.append("statistics.csv")
     for name, canvas in {"plot": plot, **letters}.items():
-        _draw(canvas, out, name)
+        draw(canvas, out, name)
         names.append(f"{name}.png, .svg")
     return report, "; ".join(names)
+
+
+def _sheets(lines: Sequence[Line]) -> list[tuple[str, bytes]]:
+    """Name and contact sheet of each row that left one, of its first seed."""
+    first = [(line.label, result.sheet) for line in lines for result in line.finished[:1]]
+    return [(label.replace("_", " "), sheet.read_bytes()) for label, sheet in first if sheet is not None]
 
 
 def _letters(evidence: Sequence[Evidence], title: str) -> dict[str, Any]:
@@ -54,7 +61,8 @@ def _letters(evidence: Sequence[Evidence], title: str) -> dict[str, Any]:
     return plots
 
 
-def _draw(canvas: Any, out: Path, name: str) -> None:
+def draw(canvas: Any, out: Path, name: str) -> None:
+    """Writes a matplotlib figure as .png and .svg."""
     with matplotlib.rc_context(STYLE):
         canvas.savefig(out / f"{name}.png", dpi=160)
         canvas.savefig(out / f"{name}.svg", metadata=NO_METADATA)

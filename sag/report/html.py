@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from collections.abc import Sequence
 from html import escape
@@ -48,6 +49,9 @@ figure { margin: 0; padding: 1rem; min-width: 720px; }
 figure svg { width: 100%; height: auto; color: var(--ink); }
 p.legend { color: var(--soft); font-size: .9rem; margin: 0 0 1.25rem; }
 dl { display: grid; grid-template-columns: minmax(9rem, 14rem) 1fr; gap: .35rem 1rem; margin: 0; padding: 1rem; }
+dl.sheets { grid-template-columns: minmax(6rem, 10rem) 1fr; align-items: center; }
+dl.sheets dt { color: var(--ink); font-weight: 600; } dl.sheets img { width: 100%; max-width: 972px; display: block;
+  border-radius: 6px; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
 """
 
@@ -58,19 +62,20 @@ SHORT = 9
 NO_BREAK = "&nbsp;"
 
 
-def html(report: Report, plot: str, further_plots: Sequence[str] = ()) -> str:
+def html(report: Report, plot: str, further_plots: Sequence[str] = (), sheets: Sequence[tuple[str, bytes]] = ()) -> str:
     """The page.
 
     Args:
         report: with all of the paper's cells.
         plot: an SVG element drawn in `currentColor`, for below the first table.
         further_plots: more of them, for below the last.
+        sheets: contact sheets of rows, a name and a PNG each, for below all.
     """
     notices = "\n".join(f'<p class="notice">{escape(notice)}</p>' for notice in report.notices)
     facts = "\n".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in report.facts)
     title = escape(report.title)
     first, *further = map(_section, report.tables)
-    further += map(_drawing, further_plots)
+    further += [*map(_drawing, further_plots), _sheets(sheets)]
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -95,6 +100,23 @@ def html(report: Report, plot: str, further_plots: Sequence[str] = ()) -> str:
 
 def _drawing(plot: str) -> str:
     return f'<div class="card"><figure>{plot}</figure></div>\n'
+
+
+def _sheets(sheets: Sequence[tuple[str, bytes]]) -> str:
+    if not sheets:
+        return ""
+    pictures = "\n".join(
+        f'<dt>{escape(name)}</dt><dd><img alt="samples of {escape(name)}" '
+        f'src="data:image/png;base64,{base64.b64encode(content).decode()}"></dd>'
+        for name, content in sheets
+    )
+    return f"""<h2>Samples</h2>
+<div class="card"><dl class="sheets">
+{pictures}
+</dl></div>
+<p class="legend">A motion for each of the same test windows: six poses from the given one (dark) to the last (bright).
+</p>
+"""
 
 
 def _section(table: Table) -> str:

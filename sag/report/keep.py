@@ -14,13 +14,13 @@ import yaml
 from sag.errors import SagError
 from sag.files import read_yaml, write_json, write_whole, writing_in
 from sag.report.portable import portable, portable_command
-from sag.report.results import read_json, run_folders
+from sag.report.results import SHEET, read_json, run_folders
 
 CONFIG = "config.fit.yaml"
 ESSENTIALS = ("state", "reason", "returncode", "command_hash", "started", "ended")
 """What is kept of a row's status beside its command: not its process, nor where it was copied from."""
 
-KEPT = {"metrics.json", CONFIG, "status.json"}
+KEPT = {"metrics.json", CONFIG, "status.json", SHEET}
 REPORT = {
     "table.md", "table.csv", "table.tex", "table.html", "plot.png", "plot.svg", "statistics.csv", "letters.png",
     "letters.svg",
@@ -96,6 +96,8 @@ def _keep_row(row: Path, kept: Path) -> None:
         return
     if (row / "metrics.json").is_file():
         write_json(kept / "metrics.json", portable(read_json(row / "metrics.json"), Path.cwd()))
+    if (row / SHEET).is_file():
+        shutil.copyfile(row / SHEET, kept / SHEET)
     if (row / CONFIG).is_file():
         config = portable(read_yaml(row / CONFIG), Path.cwd())
         text = yaml.safe_dump(config, sort_keys=False, allow_unicode=True)

@@ -13,7 +13,7 @@ SPECIAL = {
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$", "↓": r"$\downarrow$", "↑": r"$\uparrow$",
     MARK: r"\checkmark", NONE: "--", "<": r"$<$", ">": r"$>$",
     "∞": r"$\infty$", "δ": r"$\delta$", "₁": "$_1$", "×": r"$\times$", "²": "$^2$", "³": "$^3$", "é": r"\'e",
-    "→": r"$\to$", "τ": r"$\tau$",
+    "→": r"$\to$", "τ": r"$\tau$", "α": r"$\alpha$",
 }  # fmt: skip
 """Characters that LaTeX reads otherwise, or not at all."""
 

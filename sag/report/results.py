@@ -21,6 +21,10 @@ BLIND = "blind"
 """The row whose scene feature is zero; what its name begins with where there are several."""
 
 
+SHEET = "samples.png"
+"""The contact sheet of a run."""
+
+
 @dataclass(frozen=True)
 class Result:
     """One run, finished or not.
@@ -40,6 +44,7 @@ class Result:
         parameters: numbers that were trained.
         origin: versions and commit.
         pretrained: checkpoint of other data in which training started, if it did.
+        sheet: its contact sheet, a small PNG, if it left one.
         sweep: where it comes from, if runs of several sweeps stand in one report and share names.
     """
 
@@ -57,6 +62,7 @@ class Result:
     parameters: int = 0
     origin: dict[str, Any] = field(default_factory=dict)
     pretrained: str | None = None
+    sheet: Path | None = None
     sweep: str = ""
 
     @property
@@ -117,6 +123,7 @@ def _finished(name: str, content: dict[str, Any], path: Path) -> Result:
             parameters=content["parameters"],
             origin={**content.get("versions", {}), "commit": content.get("commit")},
             pretrained=content.get("pretrained"),
+            sheet=sheet if (sheet := path.with_name(SHEET)).is_file() else None,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise SagError(

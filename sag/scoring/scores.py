@@ -101,7 +101,7 @@ class Scores:
             found |= named(measure.name, measure.metric.compute())
         if self.depth_error.update_called:
             found |= named("depth_error", self.depth_error.compute())
-        if self.depth_probe is not None:
+        if self.depth_probe is not None and self.depth_probe.can_tell:
             found |= named("depth_probe", self.depth_probe.compute())
         return found | self._certainty()
 

@@ -1,4 +1,4 @@
-"""`sag sweep FILE`: runs a sweep file on this machine."""
+"""`sag sweep FILE`: runs a sweep file on this machine or on a SLURM cluster."""
 
 from __future__ import annotations
 
@@ -6,132 +6,134 @@ import argparse
 import shlex
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
 from sag.errors import SagError
+from sag.sweep.arguments import check, parser, sbatch_flags
+from sag.sweep.closing import close, say
 from sag.sweep.command import Additions
 from sag.sweep.definition import Sweep, read_sweep
 from sag.sweep.display import LiveTable, PlainLines
 from sag.sweep.estimate import duration
-from sag.sweep.process import tail
+from sag.sweep.heartbeat import is_alive
+from sag.sweep.interrupts import Interrupts
+from sag.sweep.overview import show
 from sag.sweep.rows import Row, plan
-from sag.sweep.runner import Interrupts, Runner
-from sag.sweep.status import LOG, locked
+from sag.sweep.runner import Runner
+from sag.sweep.search import Search
+from sag.sweep.slots import USUAL, slots
+from sag.sweep.slurm import Watcher
+from sag.sweep.slurm_queue import ENDING, Queue, Submission
+from sag.sweep.status import locked, read_status
 from sag.sweep.tracked import Tracked, track
+from sag.sweep.trials import Trial, drawn, recorded
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it."""
 
-DESCRIPTION = """\
-Trains and tests every row of a sweep file (W&B's format, grid search), each in a process of its own,
-after the encoders of Motion FID and the ground truth; last, where components vary, a row that is blind to
-the scene. Rows that have finished are not run again, so the same command continues after Ctrl-C, a crash or
-a changed config, and rows that a sweep in a folder beside this one has finished are copied from there;
-a row that fails does not stop the others.
-Every row has a folder with its log.txt, status.json and metrics.json; `sag report` makes tables of them."""
 
+@dataclass(frozen=True)
+class Call:
+    """A call of `sag sweep`, with what it runs.
 
-def parser() -> argparse.ArgumentParser:
-    """The arguments of `sag sweep`."""
-    made = argparse.ArgumentParser(
-        prog="sag sweep", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    made.add_argument("file", type=Path, metavar="FILE", help="sweep file, such as sweeps/ablation.yaml")
-    made.add_argument("--out", type=Path, metavar="DIR", help="folder of the rows (default: runs/<name of the sweep>)")
-    made.add_argument("--jobs", type=int, default=2, metavar="N", help="rows at a time (default: 2)")
-    made.add_argument("--seeds", type=int, metavar="N", help="run every row with the seeds 0 to N-1")
-    made.add_argument(
-        "--config",
-        action="append",
-        default=[],
-        metavar="YAML",
-        help="config laid over those of the file, such as configs/data/gta_im.yaml; may be given again",
-    )
-    made.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="key set for every row, such as data.init_args.root=PATH; may be given again",
-    )
-    made.add_argument(
-        "--pretrained",
-        type=Path,
-        metavar="DIR",
-        help="folder of the same sweep on other data: every row starts in the last checkpoint of its namesake there",
-    )
-    made.add_argument("--dry-run", action="store_true", help="print the commands and run nothing")
-    return made
+    Attributes:
+        asked: the arguments.
+        sweep: the file.
+        rows: those that are known before anything runs.
+        out: folder of the rows.
+        search: adds rows, where the method is `bayes`.
+    """
+
+    asked: argparse.Namespace
+    sweep: Sweep
+    rows: list[Row]
+    out: Path
+    search: Search | None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a sweep and returns the exit status: 0, 1 when a row failed, 130 when interrupted.
+    """Runs a sweep and returns the exit status: 0, 1 when a row failed or stopped, 130 when interrupted.
 
     Raises:
         SagError: the sweep file, a flag or a config is wrong, or another sweep holds the folder.
     """
     asked = parser().parse_args(arguments)
-    _check(asked)
+    check(asked)
     sweep = read_sweep(asked.file)
     out = asked.out or Path("runs") / sweep.name
-    settings = tuple(setting.removeprefix("--") for setting in asked.set)
-    rows = plan(sweep, Additions(tuple(asked.config), settings, asked.pretrained), asked.seeds)
     console = Console()
+    if asked.status:
+        return show(sweep.name, out, console)
+    settings = tuple(setting.removeprefix("--") for setting in asked.set)
+    additions = Additions(tuple(asked.config), settings, asked.pretrained)
+    rows = plan(sweep, additions, asked.seeds, _trials(sweep, out, asked.search_seed))
     if asked.dry_run:
         for row in rows:
-            console.print(f"{row.name}: {shlex.join(row.command)}", markup=False, highlight=False, soft_wrap=True)
+            say(console, f"{row.name}: {shlex.join(row.command)}")
         return 0
+    search = Search(sweep, additions, asked.seeds, out, asked.search_seed) if sweep.method == "bayes" else None
+    call = Call(asked, sweep, rows, out, search)
     with locked(out):
-        return _run(sweep, rows, out, asked.jobs, console)
+        return _in_slurm(call, console) if asked.slurm else _here(call, console)
 
 
-def _check(asked: argparse.Namespace) -> None:
-    if asked.jobs < 1:
-        raise SagError(f"--jobs {asked.jobs}: at least one row runs at a time")
-    if asked.seeds is not None and asked.seeds < 1:
-        raise SagError(f"--seeds {asked.seeds}: every row needs at least one seed")
-    for setting in asked.set:
-        if "=" not in setting:
-            raise SagError(f"--set {setting}: write it as key=value, such as data.init_args.root=PATH")
+def _trials(sweep: Sweep, out: Path, seed: int) -> list[Trial]:
+    return drawn(sweep, seed) if sweep.method == "random" else recorded(sweep, out) if sweep.method == "bayes" else []
 
 
-def _run(sweep: Sweep, rows: Sequence[Row], out: Path, jobs: int, console: Console) -> int:
+def _here(call: Call, console: Console) -> int:
+    """Runs the rows in the slots of this machine."""
     began = time.monotonic()
-    tracked = track(rows, out)
+    places = slots(call.asked.jobs, call.asked.gpus)
+    tracked = track(call.rows, call.out)
+    _greet(call, tracked, f"{len(places)} at a time", console)
+    shown = LiveTable if console.is_terminal else PlainLines
+    with Interrupts() as interrupts, shown(tracked, len(places), console) as display:
+        Runner(call.sweep.name, tracked, places, display, call.search).run(interrupts)
+    took = duration(time.monotonic() - began)
+    if interrupts.count:
+        say(console, f"interrupted after {took}; run the same command again to continue")
+        return INTERRUPTED
+    return close(tracked, call.out, took, console)
+
+
+def _in_slurm(call: Call, console: Console) -> int:
+    """Hands the rows to SLURM and follows them."""
+    began = time.monotonic()
+    if call.search and call.asked.detach:
+        raise SagError("--detach: a Bayesian search chooses rows by the results of others and must stay; leave it out")
+    queue = Queue(call.sweep.name, call.out, Submission(sbatch_flags(call.asked), call.asked.jobs))
+    tracked = track(call.rows, call.out, _kept(call, queue))
+    width = call.asked.jobs or (USUAL if call.search else len(tracked))
+    _greet(call, tracked, f"{width} at a time at most, by SLURM", console)
+    shown = LiveTable if console.is_terminal else PlainLines
+    with Interrupts() as interrupts, shown(tracked, width, console) as display:
+        watcher = Watcher(tracked, queue, display, call.search, width)
+        watcher.submit()
+        if not call.asked.detach:
+            watcher.run(interrupts)
+    if call.asked.detach or interrupts.count:
+        say(console, f"the rows go on without this command; see sag sweep {call.asked.file} --out {call.out} --status")
+        return INTERRUPTED if interrupts.count else 0
+    return close(tracked, call.out, duration(time.monotonic() - began), console)
+
+
+def _kept(call: Call, queue: Queue) -> set[str]:
+    """Rows that SLURM has and does not end just now, or that live in a job that it has just lost."""
+    held = queue.held()
+    if held is None:
+        raise SagError("--slurm: squeue does not answer, so nobody can say which rows SLURM has; try again later")
+    alive = {row.name for row in call.rows if (s := read_status(call.out / row.name)) and s.job and is_alive(s)}
+    return alive | {row for row, state in held.items() if state != ENDING}
+
+
+def _greet(call: Call, tracked: Sequence[Tracked], width: str, console: Console) -> None:
     finished = [t for t in tracked if t.status.state == "finished"]
     kept = f"; {len(finished)} finished before and are kept" if finished else ""
     elsewhere = sorted({str(Path(t.status.taken_from).parent) for t in finished if t.status.taken_from})
     kept += f" (from {', '.join(elsewhere)} too, where the same commands ran)" if elsewhere else ""
-    _print(console, f"{sweep.name}: {len(tracked)} runs, {jobs} at a time, in {out}{kept}")
-    with Interrupts() as interrupts:
-        with (LiveTable if console.is_terminal else PlainLines)(tracked, jobs, console) as display:
-            Runner(sweep.name, tracked, jobs, display).run(interrupts)
-        took = duration(time.monotonic() - began)
-    if interrupts.count:
-        _print(console, f"interrupted after {took}; run the same command again to continue")
-        return INTERRUPTED
-    return _close(tracked, out, took, console)
-
-
-def _close(tracked: Sequence[Tracked], out: Path, took: str, console: Console) -> int:
-    """Says how it ended, and for every failed row why and where to read more."""
-    failed = [t for t in tracked if t.status.state == "failed"]
-    for row in failed:
-        _print(console, f"\n{row.row.name} failed: {row.status.reason}\n  log: {row.folder / LOG}", style="red")
-        for line in tail(row.folder):
-            _print(console, f"  | {line}")
-    waiting = sum(t.status.state == "waiting" for t in tracked)
-    if waiting:
-        _print(console, f"\nstopped: the other {waiting} runs need {failed[0].row.name}; the same command tries again")
-    elif failed:
-        _print(console, f"\n{len(failed)} of {len(tracked)} runs failed; the same command runs these again")
-    else:
-        _print(console, f"all {len(tracked)} runs finished in {took}")
-    _print(console, f"output: {out}; table: sag report {out}")
-    return 1 if failed else 0
-
-
-def _print(console: Console, line: str, style: str | None = None) -> None:
-    console.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
+    count = f"{len(tracked)} runs" + (f" and trials up to {call.sweep.run_cap}" if call.search else "")
+    say(console, f"{call.sweep.name}: {count}, {width}, in {call.out}{kept}")

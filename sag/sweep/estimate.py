@@ -27,7 +27,7 @@ def elapsed(tracked: Tracked) -> float | None:
 def remaining(tracked: Tracked) -> float | None:
     """Seconds that a running row still takes at its pace, or None while that says nothing."""
     fraction, seconds = tracked.progress.fraction, elapsed(tracked)
-    if tracked.process is None or seconds is None or fraction < TELLING:
+    if tracked.status.state != "running" or seconds is None or fraction < TELLING:
         return None
     return seconds * (1 - fraction) / fraction
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import platform
 import re
 import signal
 import subprocess
@@ -19,20 +20,28 @@ from sag.sweep.status import LOG, Status
 GRACE = 10.0
 """Seconds between the request to end and the kill."""
 
+WARNINGS = (signal.SIGUSR1, signal.SIGUSR2)
+"""Signals by which schedulers tell that a job's time is nearly over."""
+
 PR_SET_PDEATHSIG = 1
 TERMINAL_CODES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """Cores that this process may use: of the machine, or of the SLURM job that it is in."""
+    machine = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(machine, int(os.environ.get("SLURM_CPUS_ON_NODE") or machine))
 
 
-def row_environment(group: str, name: str, threads: int) -> dict[str, str]:
-    """The environment of a row: its place in W&B, and a share of the cores for its arithmetic."""
-    own = {"WANDB_RUN_GROUP": group, "WANDB_NAME": name, "PYTHONUNBUFFERED": "1"}
-    return {**os.environ, **own, "OMP_NUM_THREADS": str(threads), "MKL_NUM_THREADS": str(threads)}
+def row_environment(group: str, name: str, slot: Mapping[str, str]) -> dict[str, str]:
+    """The environment of a row: its place in W&B, and its share of cores and GPUs.
+
+    In a SLURM job it looks interactive, or Lightning would take the job's tasks for its own and requeue it by itself.
+    """
+    own = {"WANDB_RUN_GROUP": group, "WANDB_NAME": name, "PYTHONUNBUFFERED": "1", **slot}
+    job = {"SLURM_JOB_NAME": "interactive"} if "SLURM_JOB_ID" in os.environ else {}
+    return {**os.environ, **own, **job}
 
 
 def start(
@@ -48,12 +57,17 @@ def start(
             stderr=subprocess.STDOUT,
             env=dict(environment),
             start_new_session=True,
-            preexec_fn=_die_with_parent if LIBC else None,
+            preexec_fn=_before_row,
         )
 
 
-def _die_with_parent() -> None:
-    """Asks Linux to kill this process when the sweep is gone, even by SIGKILL."""
+def _before_row() -> None:
+    """Asks Linux to kill this process when the sweep is gone, even by SIGKILL.
+
+    Schedulers send their warnings to every process of a job: what to do about them the row is told by the sweep.
+    """
+    for number in WARNINGS:
+        signal.signal(number, signal.SIG_IGN)
     if LIBC:
         LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
@@ -65,8 +79,11 @@ def send(process: subprocess.Popen[bytes], sent: signal.Signals) -> None:
 
 
 def stop_leftover(status: Status) -> None:
-    """Ends a row that an earlier sweep left running, so that no two processes write to one folder."""
-    if status.state != "running" or status.pid is None or status.command[-1] not in _command_line(status.pid):
+    """Ends a row that an earlier sweep left running on this machine, so that no two processes write to one folder."""
+    here = status.host in (None, platform.node()) and status.job is None
+    if status.state != "running" or not here:
+        return
+    if status.pid is None or status.command[-1] not in _command_line(status.pid):
         return
     deadline = time.monotonic() + GRACE
     with suppress(ProcessLookupError, PermissionError):

@@ -13,12 +13,15 @@ from sag.files import sha256_of
 from sag.letters import LETTERS, components_of, row_name
 from sag.sweep.command import Additions, command_hash, preparation_command, row_command, written
 from sag.sweep.definition import Point, Sweep
+from sag.sweep.trials import Trial
 
 COMPONENTS = "components."
 ENCODERS = "configs/methods/erd.yaml"
 GROUND_TRUTH = "configs/methods/ground_truth.yaml"
 BLIND = "configs/methods/blind.yaml"
 PRETRAINED = "pretrained"
+ENCODERS_ROW = "encoders"
+GROUND_TRUTH_ROW = "ground_truth"
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Row:
         measured: whether it must leave a `metrics.json`.
         alone: whether everything after it waits for it, and stops when it fails.
         typical: whether it takes about as long as the others: those of the grid do.
+        trial: number of its trial in a search.
+        point: values that the search has drawn for it.
     """
 
     name: str
@@ -40,27 +45,45 @@ class Row:
     measured: bool = True
     alone: bool = False
     typical: bool = True
+    trial: int | None = None
+    point: Point | None = None
 
 
-def plan(sweep: Sweep, additions: Additions, seeds: int | None = None) -> list[Row]:
-    """Everything a sweep runs, in order: encoders, ground truth, the grid, then the blind row of an ablation.
+def plan(sweep: Sweep, additions: Additions, seeds: int | None = None, trials: Sequence[Trial] = ()) -> list[Row]:
+    """Everything a sweep runs, in order: encoders, ground truth, then the grid and the blind row of an ablation.
 
+    A search has its trials in place of the last two, those that are known.
     A command without the subcommand `run` is not this program's, and is run as it stands.
 
     Raises:
         SagError: two rows have one name, a component is unknown, or a config file is missing.
     """
     _check_components(sweep)
-    grid = [(name_of(point, sweep.varied), point) for point in _seeded(sweep, seeds)]
-    prepared, blind = [], {}
-    if "run" in sweep.command:
-        prepared, blind = _preparations(sweep, additions), _blind(grid)
+    prepared = _preparations(sweep, additions) if "run" in sweep.command else []
     after = prepared[0].fingerprint if prepared else ""
-    rows = prepared + [_row(sweep, name, point, additions, after) for name, point in grid]
-    rows += [_row(sweep, name, point, _blinding(additions), after) for name, point in blind.items()]
+    if sweep.method == "grid":
+        rows = prepared + _grid_rows(sweep, additions, seeds, after)
+    else:
+        rows = prepared + [row for trial in trials for row in _trial_rows(sweep, trial, additions, seeds, after)]
     twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
     if twice:
         raise SagError(f"{sweep.path}: two rows would share the folder {twice[0]!r}; rename one or vary another key")
+    return rows
+
+
+def _grid_rows(sweep: Sweep, additions: Additions, seeds: int | None, after: str) -> list[Row]:
+    grid = [(name_of(point, sweep.varied), point) for point in _seeded(sweep.points(), seeds)]
+    blind = _blind(grid) if "run" in sweep.command else {}
+    rows = [_row(sweep, name, point, additions, after) for name, point in grid]
+    return rows + [_row(sweep, name, point, _blinding(additions), after) for name, point in blind.items()]
+
+
+def _trial_rows(sweep: Sweep, trial: Trial, additions: Additions, seeds: int | None, after: str) -> list[Row]:
+    """The rows of a trial, one for each seed; their names begin with its number, since points may look alike."""
+    rows = []
+    for point in _seeded([trial.point], seeds):
+        name = f"t{trial.number:03d}-{name_of(point, sweep.varied)}"
+        rows.append(replace(_row(sweep, name, point, additions, after), trial=trial.number, point=trial.point))
     return rows
 
 
@@ -71,8 +94,8 @@ def _preparations(sweep: Sweep, additions: Additions) -> list[Row]:
     fingerprint = command_hash(encoders)
     truth = tuple(preparation_command(sweep, "test", (f"--config={GROUND_TRUTH}",), additions))
     return [
-        Row("encoders", encoders, fingerprint, measured=False, alone=True, typical=False),
-        Row("ground_truth", truth, command_hash(truth, fingerprint), typical=False),
+        Row(ENCODERS_ROW, encoders, fingerprint, measured=False, alone=True, typical=False),
+        Row(GROUND_TRUTH_ROW, truth, command_hash(truth, fingerprint), typical=False),
     ]
 
 
@@ -112,8 +135,7 @@ def _blinding(additions: Additions) -> Additions:
     return replace(additions, configs=(*additions.configs, BLIND), settings=settings)
 
 
-def _seeded(sweep: Sweep, seeds: int | None) -> list[Point]:
-    points = sweep.points()
+def _seeded(points: list[Point], seeds: int | None) -> list[Point]:
     if seeds is None:
         return points
     return [{**point, "seed_everything": seed} for point in points for seed in range(seeds)]

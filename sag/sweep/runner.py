@@ -1,4 +1,4 @@
-"""The runner: starts rows as places get free, watches them, and keeps their status on disk."""
+"""The runner: starts rows as slots get free, watches them, and keeps their status on disk."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import signal
 import subprocess
 import time
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
-from types import FrameType, TracebackType
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
-from sag.sweep import process
+from sag.sweep import heartbeat, process
+from sag.sweep.interrupts import Interrupts
 from sag.sweep.resuming import GO_ON, goes_on
+from sag.sweep.search import Search
+from sag.sweep.slots import Slot
 from sag.sweep.status import METRICS, read_progress
 from sag.sweep.tracked import Tracked
 
@@ -30,52 +31,39 @@ class Display(Protocol):
         """Some time has passed."""
 
 
-class Interrupts(AbstractContextManager["Interrupts"]):
-    """Counts Ctrl-C, SIGTERM and a closed terminal instead of dying of them."""
-
-    SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._before: dict[signal.Signals, Any] = {}
-
-    def __enter__(self) -> Interrupts:
-        self._before = {s: signal.signal(s, self._counted) for s in self.SIGNALS}
-        return self
-
-    def _counted(self, number: int, frame: FrameType | None) -> None:
-        self.count += 1
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-
 class Runner:
-    """Runs the rows that wait, some at a time.
+    """Runs the rows that wait, one in each slot.
 
     Args:
         name: the sweep's, W&B's group.
-        tracked: every row with its state.
-        jobs: rows at a time.
+        tracked: every row with its state; what a search adds is appended.
+        slots: where rows run.
         display: told of every change.
+        search: adds rows as others end.
     """
 
-    def __init__(self, name: str, tracked: Sequence[Tracked], jobs: int, display: Display) -> None:
+    def __init__(
+        self,
+        name: str,
+        tracked: list[Tracked],
+        slots: Sequence[Slot],
+        display: Display,
+        search: Search | None = None,
+    ) -> None:
         self.name = name
         self.tracked = tracked
-        self.jobs = jobs
+        self.slots = slots
         self.display = display
+        self.search = search
 
     def run(self, interrupts: Interrupts) -> None:
         """Runs until every row has ended, a row that the others need has failed, or the user interrupts."""
-        while not interrupts.count and (self.running or self.ready):
-            for tracked in self.ready[: self.jobs - len(self.running)]:
-                self._start(tracked)
-            self._watch()
-        if self.running:
+        try:
+            while not interrupts.count and self._extend():
+                for tracked, slot in zip(self.ready, self._free()):
+                    self._start(tracked, slot)
+                self._watch()
+        finally:
             self._stop(interrupts)
 
     @property
@@ -86,17 +74,33 @@ class Runner:
     @property
     def ready(self) -> list[Tracked]:
         """Rows that may start: a row that all wait for comes first, and nothing comes after it when it fails."""
-        awaited = [t for t in self.tracked if t.row.alone and t.status.state != "finished"]
-        return [t for t in awaited or self.tracked if t.status.state == "waiting"]
+        return [t for t in self._awaited or self.tracked if t.status.state == "waiting"]
 
-    def _start(self, tracked: Tracked) -> None:
-        threads = max(1, process.cores() // (1 if tracked.row.alone else self.jobs))
+    @property
+    def _awaited(self) -> list[Tracked]:
+        return [t for t in self.tracked if t.row.alone and t.status.state != "finished"]
+
+    def _extend(self) -> bool:
+        """Lets a search fill the slots that nothing waits for; whether there is anything to do."""
+        if self.search and not self._awaited:
+            room = len(self.slots) - len(self.running) - len(self.ready)
+            self.tracked += self.search.more(self.tracked, room)
+        return bool(self.running or self.ready)
+
+    def _free(self) -> list[Slot]:
+        free = list(self.slots)
+        for tracked in self.running:
+            free.remove(tracked.slot)  # type: ignore[arg-type]
+        return free
+
+    def _start(self, tracked: Tracked, slot: Slot) -> None:
         going_on = goes_on(tracked.row.command, tracked.folder)
         place = f"--trainer.default_root_dir={tracked.folder}"
         command = (*tracked.row.command, *([GO_ON] if going_on else []), place)
-        environment = process.row_environment(self.name, tracked.row.name, threads)
-        tracked.process = process.start(command, tracked.folder, environment, going_on)
-        tracked.set(state="running", command=command, pid=tracked.process.pid, started=time.time())
+        share = (slot.whole() if tracked.row.alone else slot).environment()
+        environment = process.row_environment(self.name, tracked.row.name, share)
+        tracked.process, tracked.slot = process.start(command, tracked.folder, environment, going_on), slot
+        tracked.started(command, tracked.process.pid, slot.gpus)
         self.display.changed(tracked)
 
     def _watch(self) -> None:
@@ -104,9 +108,17 @@ class Runner:
         time.sleep(POLL)
         for tracked in self.running:
             tracked.progress = read_progress(tracked.folder)
+            self._beat(tracked)
             if tracked.process and tracked.process.poll() is not None:
                 self._ended(tracked, tracked.process)
         self.display.tick()
+
+    def _beat(self, tracked: Tracked) -> None:
+        """Says that a row lives; a row that was given to another job meanwhile has to go."""
+        if tracked.process and heartbeat.is_due(tracked.status):
+            tracked.set(heartbeat=time.time())
+            if tracked.superseded:
+                process.send(tracked.process, signal.SIGKILL)
 
     def _ended(self, tracked: Tracked, ended: subprocess.Popen[bytes], interrupted: bool = False) -> None:
         process.send(ended, signal.SIGKILL)  # what the row may have left behind
@@ -126,7 +138,7 @@ class Runner:
         for tracked in self.running:
             process.send(tracked.process, signal.SIGTERM)  # type: ignore[arg-type]
         while self.running:
-            insisted = interrupts.count > 1 or time.monotonic() > deadline
+            insisted = interrupts.insisted or time.monotonic() > deadline
             for tracked in self.running:
                 if tracked.process and insisted:
                     process.send(tracked.process, signal.SIGKILL)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from sag.errors import SagError
 from sag.files import write_json
@@ -40,6 +40,13 @@ class Status:
         returncode: exit status, negative for a signal.
         reason: why it failed, in one line.
         taken_from: folder of the row that this is a copy of, in a sweep that ran the same command before.
+        heartbeat: seconds since the epoch when the row was last seen alive by what started it.
+        host: machine that it runs on.
+        gpus: `CUDA_VISIBLE_DEVICES` of its slot, where the machine has any.
+        job: of the scheduler that started it.
+        ticket: of the submission that may run it: a job with another one leaves the row alone.
+        trial: number of the row in a search.
+        point: values that the search has drawn for it.
     """
 
     state: State
@@ -51,6 +58,13 @@ class Status:
     returncode: int | None = None
     reason: str | None = None
     taken_from: str | None = None
+    heartbeat: float | None = None
+    host: str | None = None
+    gpus: str | None = None
+    job: str | None = None
+    ticket: str | None = None
+    trial: int | None = None
+    point: dict[str, Any] | None = None
 
     def write(self, folder: Path) -> None:
         """Replaces the row's `status.json` whole: a reader never sees half of it."""

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import glob
 import os
+import platform
 import shutil
 import subprocess
-from collections.abc import Sequence
+import time
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from sag.errors import SagError
 from sag.sweep import process
+from sag.sweep.heartbeat import is_elsewhere
 from sag.sweep.resuming import forget, remove_strays, was_stopped
 from sag.sweep.rows import Row
-from sag.sweep.status import METRICS, Progress, Status, read_status
+from sag.sweep.slots import Slot
+from sag.sweep.status import LOG, METRICS, Progress, Status, read_progress, read_status
 
 REPLACED = "replaced"
 """Folder beside the rows that keeps those which another command or config has taken the place of."""
@@ -30,7 +34,8 @@ class Tracked:
         folder: where it writes.
         status: as on disk.
         progress: the row's own word.
-        process: while it runs.
+        process: while it runs here.
+        slot: in which it runs here.
     """
 
     row: Row
@@ -38,36 +43,65 @@ class Tracked:
     status: Status
     progress: Progress = field(default_factory=Progress)
     process: subprocess.Popen[bytes] | None = None
+    slot: Slot | None = None
 
     def set(self, **changes: Any) -> None:
-        """Changes the status, here and on disk."""
+        """Changes the status, here and on disk, where it stays as it is if the row was given to another job."""
         self.status = replace(self.status, **changes)
-        self.status.write(self.folder)
+        if not self.superseded:
+            self.status.write(self.folder)
+
+    def started(self, command: tuple[str, ...], pid: int, gpus: str | None) -> None:
+        """Notes that the row runs on this machine."""
+        now, host = time.time(), platform.node()
+        here = {"command": command, "pid": pid, "host": host, "gpus": gpus}
+        self.set(state="running", **here, started=now, heartbeat=now, ended=None, returncode=None, reason=None)
+
+    @property
+    def superseded(self) -> bool:
+        """Whether the row was given to another job, which alone may run it."""
+        on_disk = read_status(self.folder)
+        return on_disk is not None and on_disk.ticket != self.status.ticket
 
 
-def track(rows: Sequence[Row], out: Path) -> list[Tracked]:
+def track(rows: Sequence[Row], out: Path, kept: Container[str] = ()) -> list[Tracked]:
     """Every row with its state: finished rows stay so unless something changed, all others wait.
 
     A row left running by a sweep that was killed is ended first. Checkpoints of a row that was stopped stay, if its
     command is still the same, so that it goes on. A row that has finished under the same command in a sweep beside
     this one is copied from there.
 
+    Args:
+        rows: of the sweep.
+        out: folder of the rows.
+        kept: names of rows that a scheduler has, and which are left as they are unless something changed.
+
     Raises:
-        SagError: a row's folder holds what no sweep wrote.
+        SagError: a row's folder holds what no sweep wrote, or a row runs elsewhere.
     """
-    tracked = []
-    remove_strays(out)
+    before = {row.name: read_status(out / row.name) for row in rows}
     for row in rows:
-        folder = out / row.name
-        before = read_status(folder)
-        waiting = Tracked(row, folder, Status("waiting", row.command, row.fingerprint))
-        if before and is_finished(before, row, folder):
-            waiting.status = before
-        else:
-            _make_way(before, row, folder)
-            waiting.status = _from_beside(row, folder) or waiting.status
-            waiting.status.write(folder)
-        tracked.append(waiting)
+        _check_elsewhere(row, before[row.name], out / row.name, row.name in kept)
+    remove_strays(out)
+    return [_tracked(row, before[row.name], out / row.name, row.name in kept) for row in rows]
+
+
+def _check_elsewhere(row: Row, before: Status | None, folder: Path, kept: bool) -> None:
+    """Refuses to take a row from whoever runs it, before anything is touched."""
+    if before is None or not is_elsewhere(before) or (kept and before.command_hash == row.fingerprint):
+        return
+    where = f"on {before.host}" + (f" in job {before.job}" if before.job else "")
+    raise SagError(f"row {row.name} runs {where}; wait for it or end it there (its log is {folder / LOG})")
+
+
+def _tracked(row: Row, before: Status | None, folder: Path, kept: bool) -> Tracked:
+    kept = kept and before is not None and before.state != "failed" and before.command_hash == row.fingerprint
+    if before and (kept or is_finished(before, row, folder)):
+        return Tracked(row, folder, before, read_progress(folder))
+    _make_way(before, row, folder)
+    waiting = Status("waiting", row.command, row.fingerprint, trial=row.trial, point=row.point)
+    tracked = Tracked(row, folder, _from_beside(row, folder) or waiting)
+    tracked.status.write(folder)
     return tracked
 
 

@@ -12,6 +12,12 @@ RADII = {
 }  # fmt: skip
 """Metres, by the last word of a joint's name without its number."""
 
+SAMPLE_COLOURS = (
+    "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442", "#0072b2", "#999933", "#aa4499", "#88ccee",
+)  # fmt: skip
+"""Of the samples of a window, here and on the viewer's pages: Okabe and Ito's, which hold for the colour-blind, then
+three of Tol's."""
+
 USUAL_RADIUS = 0.05
 """Of a joint that has another name, metres."""
 

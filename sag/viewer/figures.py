@@ -11,7 +11,7 @@ from torch import Tensor
 from sag.metrics import BoneDrift, FootSkate, NonCollisionRatio, Penetration, collision_counts
 from sag.metrics.collisions.clear_frames import RADII
 from sag.scoring.judged import Judged
-from sag.types import GENERATED
+from sag.types import FRAMES, GENERATED
 
 TOUCH = max(RADII)
 """Distance from a bone within which a point of the scene lights up, metres: the widest of the paper's radii."""
@@ -51,26 +51,33 @@ COLUMNS = (
 """What is known of a motion; a column that nobody fills is not shown."""
 
 
-def figures_of(judged: Judged) -> dict[str, float]:
+def figures_of(judged: Judged, off: bool) -> dict[str, float]:
     """Figures of one motion of one window, by the key of their column; NaN where they have no meaning.
+
+    Most are defined for 65 frames; of another number only the way of the root is told.
 
     Args:
         judged: a single window with a single motion.
+        off: whether it is held against the recorded motion, which then must be as long.
     """
-    skeleton, joints = judged.skeleton, judged.joints
-    skate = FootSkate(skeleton.feet, judged.data.fps, ankle_height=judged.data.ankle_height)
+    root = judged.joints[0, :, judged.skeleton.root_index].double()
+    found = {"path": float(root.diff(dim=0).norm(dim=-1).sum())}
+    if off:
+        found["off"] = float((judged.joints - judged.truth)[:, 1:].norm(dim=-1).mean())
+    return found if judged.joints.shape[1] != FRAMES else found | _of_body(judged) | _in_scene(judged)
+
+
+def _of_body(judged: Judged) -> dict[str, float]:
+    """Figures that need no scene, and skating feet where the floor under them is known or seen."""
+    skeleton, found = judged.skeleton, {}
     drift = BoneDrift(skeleton.bone_index)
-    drift.update(joints)
-    root = joints[0, :, skeleton.root_index].double()
-    found = {
-        "bone_drift": 100 * float(drift.compute()),
-        "path": float(root.diff(dim=0).norm(dim=-1).sum()),
-        "off": float((joints - judged.truth)[:, 1:].norm(dim=-1).mean()),
-    }
+    drift.update(judged.joints)
+    found["bone_drift"] = 100 * float(drift.compute())
     if judged.batch.cloud is not None or judged.geometry:
+        skate = FootSkate(skeleton.feet, judged.data.fps, ankle_height=judged.data.ankle_height)
         skate.update(judged.world, judged.floor)
         found["foot_skate"] = float(skate.compute())
-    return found | _in_scene(judged)
+    return found
 
 
 def _in_scene(judged: Judged) -> dict[str, float]:

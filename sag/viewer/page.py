@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Sequence
-from html import escape
-from importlib.resources import files
-from string import Template
 from typing import Any
 
 import numpy as np
 
 from sag.skeleton import Skeleton
+from sag.viewer.assembly import assembled, asset, script_of
 from sag.viewer.body import links_of
 from sag.viewer.figures import COLUMNS, TOUCH
 from sag.viewer.packing import packed, packed_picture, packed_places, script_json
 from sag.viewer.shown import ShownMotion, ShownScene, ShownWindow, check_windows
 from sag.viewer.surface import empty_picture, grid_of
 
-SCRIPTS = (
-    "data", "vectors", "shapes", "surface", "touches", "shaders", "drawing", "renderer", "orbit", "picture", "table",
-    "controls", "labels", "player",
-)  # fmt: skip
-"""Modules of the page's script, in the order in which they are joined."""
+SCRIPTS = ("touches", "table", "controls", "labels", "player")
+"""Modules of the page's script after those that draw, in the order in which they are joined."""
 
 MOST_CELLS = 150_000
 """Of the surfaces of a window: all that 288 x 512 pixels have."""
@@ -48,41 +41,39 @@ def page(windows: Sequence[ShownWindow], skeleton: Skeleton, fps: float, title: 
         SagError: there is nothing to show, or a motion cannot be, see `sag.viewer.shown.check_windows`.
     """
     check_windows(list(windows), len(skeleton.joints))
-    cells = int(np.clip(ALL_CELLS // len(windows), ALL_CELLS // 20, MOST_CELLS))
     content = {
+        **content_of(skeleton, fps),
         "title": title,
+        "columns": [column._asdict() for column in COLUMNS],
+        "windows": [window_content(window, cells_of(len(windows))) for window in windows],
+    }
+    return assembled(asset("page.html"), asset("style.css"), script_of(SCRIPTS), title, data=script_json(content))
+
+
+def cells_of(windows: int) -> int:
+    """Cells of the surfaces of each window of a page with so many."""
+    return int(np.clip(ALL_CELLS // windows, ALL_CELLS // 20, MOST_CELLS))
+
+
+def content_of(skeleton: Skeleton, fps: float) -> dict[str, Any]:
+    """What a page's script knows of all motions: time, joints, and the body around them."""
+    return {
         "fps": float(fps),
         "touch": TOUCH,
         "root": skeleton.root_index,
         "joints": len(skeleton.joints),
         "bones": skeleton.bone_index.tolist(),
         "links": [list(link) for link in links_of(skeleton)],
-        "columns": [column._asdict() for column in COLUMNS],
-        "windows": [_window(window, cells) for window in windows],
     }
-    style, script = _asset("style.css"), "\n".join(["'use strict';", *(_asset(f"{name}.js") for name in SCRIPTS)])
-    return Template(_asset("page.html")).substitute(
-        title=escape(title), policy=_policy(style, script), style=style, script=script, data=script_json(content)
-    )
 
 
-def _policy(style: str, script: str) -> str:
-    """What a browser allows the page: this style, these scripts, pictures that are in it, and nothing else."""
-    return (
-        f"default-src 'none'; script-src {_digest(script)}; style-src {_digest(style)}; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
-    )
+def window_content(window: ShownWindow, cells: int) -> dict[str, Any]:
+    """A window as a page's script reads it.
 
-
-def _digest(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def _asset(name: str) -> str:
-    return (files("sag.viewer") / "assets" / name).read_text(encoding="utf-8")
-
-
-def _window(window: ShownWindow, cells: int) -> dict[str, Any]:
+    Args:
+        window: with everything that is shown of it.
+        cells: of its surfaces, at most.
+    """
     return {
         "name": window.name,
         "picture": packed_picture(window.picture),

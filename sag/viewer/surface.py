@@ -90,9 +90,8 @@ def filled(
         total += inner | rim
         right += np.where(rim, padded[row, column], 0)
         links.append(np.stack([np.flatnonzero(inner), number[row, column][inner]]))
-    first, second = np.concatenate(links, axis=1)
-    matrix = coo_matrix((np.full(len(first), -1.0), (first, second)), (count, count)).tolil()
-    matrix.setdiag(total)
+    first, second = np.concatenate([*links, np.stack([np.arange(count)] * 2)], axis=1)
+    entries = np.concatenate([np.full(len(first) - count, -1.0), total])
     solved = values.copy()
-    solved[hole] = splu(matrix.tocsc()).solve(right)
+    solved[hole] = splu(coo_matrix((entries, (first, second)), (count, count)).tocsc()).solve(right)
     return solved

@@ -18,24 +18,28 @@ from sag.viewer.figures import figures_of, touched_points
 from sag.viewer.shown import ShownMotion, ShownRow, ShownScene, ShownWindow
 
 
-def shown_window(data: MotionDataModule, batch: Batch, motions: Mapping[str, Float[Tensor, "k t j 3"]]) -> ShownWindow:
+def shown_window(
+    data: MotionDataModule, batch: Batch, motions: Mapping[str, Float[Tensor, "k t j 3"]], judge: bool = True
+) -> ShownWindow:
     """A test window with its scene, the recorded motion and those of each row, judged.
 
     Args:
         data: where the window comes from.
         batch: the window alone, with its depth cloud where the data set has one.
-        motions: of each row by its name, metres, camera frame of frame 0.
+        motions: of each row by its name, metres, camera frame of frame 0; the recorded motion is shown beside those
+            that are as long.
+        judge: off leaves figures and touched points out.
 
     Raises:
-        SagError: not one window, or the motions are not of 65 frames and finite.
+        SagError: not one window.
     """
     if len(batch) != 1:
         raise SagError(f"a window is shown by itself, and {len(batch)} were given")
     window = int(batch.index[0])
-    picture = np.asarray(data.picture(window))
-    sharper = picture.shape[1] / batch.scene.image.shape[3]
-    intrinsics = batch.scene.intrinsics[0].double().cpu().numpy() * np.array([[sharper], [sharper], [1.0]])
+    picture, intrinsics = data.picture_with_camera(window)
     truth = _judged(data, batch, batch.motion.joints[0])
+    lengths = {samples.shape[1] for samples in motions.values()}
+    followed = data.recorded and lengths == {batch.motion.joints.shape[1]}
     pose = batch.world2cam[0].double().cpu().numpy()
     level = float(truth.world[0, 0, data.skeleton.feet, 2].min()) - data.ankle_height
     return ShownWindow(
@@ -44,10 +48,10 @@ def shown_window(data: MotionDataModule, batch: Batch, motions: Mapping[str, Flo
         intrinsics=intrinsics,
         person=batch.scene.person[0].cpu().numpy(),
         rows=tuple(
-            ShownRow(name, tuple(_motion(_judged(data, batch, joints)) for joints in samples))
+            ShownRow(name, tuple(_motion(_judged(data, batch, joints), judge, off=followed) for joints in samples))
             for name, samples in motions.items()
         ),
-        truth=_motion(truth, off=False),
+        truth=_motion(truth, judge, off=False) if followed else None,
         scene=_scene(batch),
         up=tuple(pose[:3, 2].tolist()),
         floor=level + float(pose[:3, 2] @ pose[:3, 3]),
@@ -58,10 +62,10 @@ def _judged(data: MotionDataModule, batch: Batch, joints: Float[Tensor, "t j 3"]
     return Judged(batch, joints[None, None].to(batch.motion.start), data, None)
 
 
-def _motion(judged: Judged, off: bool = True) -> ShownMotion:
-    figures = figures_of(judged)
-    if not off:
-        del figures["off"]
+def _motion(judged: Judged, judge: bool, off: bool) -> ShownMotion:
+    if not judge:
+        return ShownMotion(judged.joints[0].cpu().numpy())
+    figures = figures_of(judged, off)
     touched = touched_points(judged)
     return ShownMotion(judged.joints[0].cpu().numpy(), figures, None if touched is None else touched.cpu().numpy())
 

@@ -1,12 +1,14 @@
 """`sag export`: what it writes and says, that it comes back, and what it refuses."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 from export_motions import PlayedGlb
+from PIL import Image
 
 from sag.cli import main
 from sag.data.motion_file import MotionFile, read_motions, write_motions
@@ -77,6 +79,34 @@ def test_all_motions_go_to_a_folder(toy, file, capsys):
     assert "16 files" in said and "8 with rotations only: bones keep one length, joints are" in said
 
 
+@pytest.fixture
+def short(file) -> Path:
+    """The same with nine frames."""
+    motions = read_motions(file, frames=None)
+    write_motions(file, replace(motions, joints=motions.joints[:, :, :9]))
+    return file
+
+
+def test_films_of_a_sample_and_of_all_together(toy, short, capsys):
+    out, window = short.parent / "films", int(toy.cache.rows("test")[0])
+    assert main(["export", str(short), "--to", str(short.with_name("out.gif")), "--sample", "2"]) == 0
+    assert "5 frames of the picture with the motion in it, 15 a second" in capsys.readouterr().out
+    assert (
+        main(["export", str(short), "--to", "gif", "--to", "glb", "--together", "--orbit", "--output", str(out)]) == 0
+    )
+    assert sorted(path.name for path in out.iterdir()) == [f"made-{window}-orbit.gif", f"made-{window}.glb"]
+    assert "samples 1, 2: 9 frames" in capsys.readouterr().out
+    with Image.open(out / f"made-{window}-orbit.gif") as film:
+        assert film.n_frames == 5 and film.size == (480, 270)
+
+
+def test_a_film_of_the_picture_needs_the_data_set(short, capsys):
+    (short.parent / "config.fit.yaml").unlink()
+    assert main(["export", str(short), "--to", str(short.with_name("out.gif"))]) == 2
+    assert "name their data set by --reference, or give --orbit" in capsys.readouterr().err
+    assert main(["export", str(short), "--to", str(short.with_name("out.gif")), "--orbit"]) == 0
+
+
 def test_without_the_data_set_up_is_said_to_be_the_cameras(file, capsys):
     (file.parent / "config.fit.yaml").unlink()
     assert main(["export", str(file), "--to", str(file.with_name("out.glb"))]) == 0
@@ -86,14 +116,18 @@ def test_without_the_data_set_up_is_said_to_be_the_cameras(file, capsys):
 
 
 REFUSALS = {
-    "suffix": (["--to", "{}/out.fbx"], "out.fbx must be a path in .bvh or .glb"),
-    "format": (["--to", "out.bvh", "--output", "{}"], "--to out.bvh must be bvh or glb alone"),
+    "suffix": (["--to", "{}/out.fbx"], "out.fbx must be a path in .bvh, .glb, .mp4, .gif or .rrd"),
+    "format": (["--to", "out.bvh", "--output", "{}"], "--to out.bvh must be bvh, glb, mp4, gif or rrd alone"),
     "all": (["--to", "bvh", "--all"], "name their folder by --output"),
     "window": (["--to", "{}/out.bvh", "--window", "3"], "--window 3 is not in"),
     "sample": (["--to", "{}/out.bvh", "--sample", "3"], "--sample is 3"),
     "scene": (["--to", "{}/out.bvh", "--scene"], "--scene is for a .glb file"),
     "rigid": (["--to", "{}/out.glb", "--rigid"], "--rigid is for a .bvh file"),
     "place": (["--to", "{}/made.npz/out.bvh"], "cannot be written"),
+    "orbit": (["--to", "{}/out.glb", "--orbit"], "--orbit is for a .mp4 or .gif file"),
+    "together": (["--to", "{}/out.bvh", "--together"], "--together is for a .glb or .mp4 or .gif or .rrd file"),
+    "one person": (["--to", "{}/out.bvh", "--to", "{}/out.glb", "--together"], "a .bvh file holds one person"),
+    "picture": (["--to", "{}/out.gif", "--level", "--reference", "nothing"], "--reference nothing is neither"),
     "reference": (["--to", "{}/out.bvh", "--reference", "nothing"], "--reference nothing is neither"),
 }
 

@@ -136,3 +136,19 @@ def test_refuses_what_it_cannot_write(tmp_path):
     with pytest.raises(SagError, match=r"must be a file that ends in \.glb"):
         write_glb(tmp_path / "motion.gltf", rigid_motion(), GTA_IM_19, 30.0)
     assert not list(tmp_path.iterdir())
+
+
+def test_several_bodies_in_one_file_each_move_as_their_own_motion(tmp_path):
+    motions = [stretching_motion(), rigid_motion() + [2, 0, 0]]
+    write_glb(tmp_path / "a.glb", motions, GTA_IM_19, 30)
+    played = PlayedGlb(tmp_path / "a.glb")
+    skins = played.file.skins
+    assert [skin.name for skin in skins] == ["person_1", "person_2"] and len(played.file.animations) == 1
+    for skin, joints in zip(skins, motions):
+        places = {played.file.nodes[node].name: node for node in skin.joints}
+        found = played.matrices[:, [places[name] for name in GTA_IM_19.joints]][..., :3, 3]
+        assert np.abs(found - joints).max() < 1e-4
+    colours = [tuple(m.pbrMetallicRoughness.baseColorFactor) for m in played.file.materials]
+    assert len(set(colours)) == 2
+    with pytest.raises(SagError, match="joints are 18"):
+        write_glb(tmp_path / "b.glb", [motions[0], motions[1][:, 1:]], GTA_IM_19, 30)

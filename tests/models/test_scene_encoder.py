@@ -25,6 +25,16 @@ def test_a_finer_grid_knows_where_things_are() -> None:
     assert not torch.allclose(encoder(picture), encoder(picture.flip(-1)), atol=1e-4)
 
 
+def test_a_normalised_feature_has_deviation_one_however_large_the_layer_before_it() -> None:
+    encoder, pictures = SceneEncoder(10, width=8, norm="batch"), torch.rand(16, 3, 36, 64)
+    encoder.fc.weight.data.mul_(1000)
+    feature = encoder(pictures)
+    assert torch.allclose(feature.mean(0), torch.zeros(10), atol=1e-3)
+    assert torch.allclose(feature.std(0, unbiased=False), torch.ones(10), atol=1e-2)
+    alone = encoder.eval()(pictures[:1])  # by running statistics, so that one picture has a feature too
+    assert torch.allclose(alone, encoder(pictures)[:1], atol=1e-3)
+
+
 @pytest.mark.parametrize("dtype", [torch.float32, torch.bfloat16])
 def test_a_blind_encoder_says_nothing_and_learns_nothing(dtype: torch.dtype) -> None:
     encoder = BlindEncoder(10)

@@ -45,6 +45,7 @@ def our_figures(fid: float) -> dict[str, float]:
         "penetration/share": fid / 1000, "penetration/root": 0.05, "penetration/depth": 0.0123,
         "floor/sunk": 0.01, "floor/floating": 0.02, "floor/error": 0.03,
         "depth_error/abs_rel": 0.2, "depth_error/rmse": 0.7, "depth_error/delta1": 0.6,
+        "depth_probe/rmse": 0.3, "depth_probe/explained": 0.4,
         "foot_skate": 0.8, "foot_contact": 0.5, "bone_drift": 0.15, "acceleration": 6.0, "jerk": 2400.0,
         "diversity/deviation": 0.3, "diversity/pairwise": 0.5, "diversity/multimodality": 2.0,
         **{f"best_of/path_{time}": 0.4 for time in steps}, **{f"best_of/pose_{time}": 0.1 for time in steps},

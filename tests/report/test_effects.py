@@ -9,7 +9,7 @@ from sag.letters import LETTERS, components_of, row_name
 from sag.report.effects import EVERY, effects_of
 from sag.report.letters import letters_of, letters_tables, verdict_of
 from sag.report.lines import Line, lines_of
-from sag.report.measures import AWARENESS, DEPTH, INSIDE, MEASURES, MOTION_FID, NON_COLLISION, OWN
+from sag.report.measures import AWARENESS, INSIDE, MEASURES, MOTION_FID, NON_COLLISION, OWN, PROBE
 from sag.report.results import Result
 
 ROWS = [row_name(dict(zip(LETTERS, cell))) for cell in EVERY]
@@ -165,8 +165,8 @@ def test_every_letter_has_its_own_measure_and_what_cannot_be_told_is_said():
     assert {component for component, _ in OWN} == set(LETTERS)
     assert all(measure in MEASURES for _, measure in OWN)
     lines = made(TABLE_1, range(2), lambda x, s: 1.0 + s + len(x), MOTION_FID.metric)
-    deep = made(["md", "mdc"], range(2), lambda x, s: 0.4 + s, DEPTH.metric)
+    deep = made(["md", "mdc"], range(2), lambda x, s: 0.4 + s, PROBE.metric)
     own, *_ = letters_tables(letters_of([*lines, *deep]))
     texts = {(row.cells[0].text, row.cells[1].text): row.cells[-1].text for row in own.rows}
-    assert texts["D", DEPTH.name] == "no twins"
+    assert texts["D", PROBE.name] == "no twins"
     assert texts["D", AWARENESS.name] == "not measured"

@@ -92,7 +92,7 @@ def test_a_missing_figure_is_a_dash_and_a_missing_column_is_left_out(measured):
     _, sees_more, _ = tables(measured)
     assert cells(sees_more, "mc")["velocity_frechet"].text == "–"
     for path in measured.folder.glob("*/metrics.json"):
-        path.write_text(re.sub(r'"(depth_error|best_of|diversity)/', r'"raw/\1/', path.read_text()))
+        path.write_text(re.sub(r'"(depth_error|depth_probe|best_of|diversity)/', r'"raw/\1/', path.read_text()))
     _, sees_more, companions = tables(measured)
     shown = {column.metric.partition("/")[0] for table in (sees_more, companions) for column in table.columns}
     assert not shown & {"depth_error", "best_of", "diversity"}

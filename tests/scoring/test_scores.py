@@ -120,6 +120,17 @@ def test_depth_is_scored_where_a_method_has_an_opinion(many):
     assert float(sheet.compute()["depth_error/abs_rel"]) == pytest.approx(0.1, abs=1e-5)
 
 
+def test_depth_is_read_off_features_where_both_halves_of_the_rooms_are_seen(many):
+    sheet = Scores(many, "test", None, Evaluation())
+    batches = list(many.test_dataloader())
+    one = batches[0][batches[0].room == batches[0].room[0]]
+    sheet.update(one, made(one), feature=one.scene.depth.mean((1, 2))[:, None])
+    assert not any(name.startswith("depth_probe") for name in sheet.compute())
+    for batch in batches:
+        sheet.update(batch, made(batch), feature=batch.scene.depth.mean((1, 2))[:, None])
+    assert {"depth_probe/rmse", "depth_probe/explained"} <= set(sheet.compute())
+
+
 def test_moved_motions_start_where_the_other_person_stands(many):
     batch = next(iter(many.test_dataloader()))
     judged = Judged(batch, batch.motion.joints[:, None], many, None)

@@ -63,7 +63,7 @@ def test_the_ablation_is_the_grid_of_the_four_components():
 
 def test_table_1_is_the_papers_six_rows(tmp_path, monkeypatch):
     sweep = read_sweep(SWEEPS / "table1.yaml")
-    for config in [*sweep.parameters["config"], *(p for p in sweep.command if p.endswith(".yaml"))]:
+    for config in [*sweep.parameters["config"].values, *(p for p in sweep.command if p.endswith(".yaml"))]:
         (tmp_path / config).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / config).touch()
     for method in ("erd", "ground_truth", "blind"):

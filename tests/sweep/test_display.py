@@ -4,10 +4,11 @@ import time
 import pytest
 from rich.console import Console
 
-from sag.sweep.display import LiveTable, PlainLines, event, summary, visible
+from sag.sweep.display import LiveTable, PlainLines
 from sag.sweep.estimate import duration, fraction_done, remaining, remaining_of_all
 from sag.sweep.rows import Row
 from sag.sweep.status import Progress, Status
+from sag.sweep.table import event, summary, visible
 from sag.sweep.tracked import Tracked
 
 
@@ -70,7 +71,7 @@ def test_plain_lines_say_every_change_and_a_heartbeat(rows, monkeypatch):
     lines.tick()
     assert text.getvalue().count("\n") == 1, "too early for a heartbeat"
     assert f"d: failed after 9 s (no depth), log {rows[2].folder}/log.txt" in text.getvalue()
-    monkeypatch.setattr("sag.sweep.display.HEARTBEAT", 0)
+    monkeypatch.setattr("sag.sweep.display.SUMMARY_EVERY", 0)
     lines.tick()
     assert summary(rows, 2)[:15] in text.getvalue()
 

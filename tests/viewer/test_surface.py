@@ -1,12 +1,14 @@
 """Surfaces and bodies: planes are carried on behind a person, grids keep to their limit, bodies have all bones."""
 
 import dataclasses
+import re
+from importlib.resources import files
 
 import numpy as np
 from viewer_windows import INTRINSICS, SIZE, scene, wall_and_floor
 
 from sag.skeleton import GTA_IM_19, PROX_16
-from sag.viewer.body import RADII, USUAL_RADIUS, links_of, radius_of
+from sag.viewer.body import RADII, SAMPLE_COLOURS, USUAL_RADIUS, links_of, radius_of
 from sag.viewer.shown import ShownScene
 from sag.viewer.surface import GROWN, empty_picture, filled, grid_of
 
@@ -69,3 +71,8 @@ def test_bodies_follow_every_bone_and_are_thick():
 def test_radii_go_by_the_last_word_of_a_joint():
     assert radius_of("left_elbow") == RADII["elbow"] and radius_of("spine3") == RADII["spine"]
     assert radius_of("tail") == USUAL_RADIUS
+
+
+def test_samples_have_one_colour_on_pages_and_in_files():
+    script = (files("sag.viewer") / "assets/data.js").read_text()
+    assert tuple(re.findall(r"'(#\w{6})'", script.split("const COLOURS")[1].split(";")[0])) == SAMPLE_COLOURS

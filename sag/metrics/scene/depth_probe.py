@@ -60,9 +60,7 @@ class DepthProbe(PlottedMetric):
         size = 1 + channels + CELLS[0] * CELLS[1]
         self.add_state("moments", torch.zeros(2, size, size, dtype=torch.float64), dist_reduce_fx="sum")
 
-    def update(
-        self, feature: Float[Tensor, "b f"], depth: Float[Tensor, "b h w"], fold: Int[Tensor, " b"]
-    ) -> None:
+    def update(self, feature: Float[Tensor, "b f"], depth: Float[Tensor, "b h w"], fold: Int[Tensor, " b"]) -> None:
         """Adds pictures; those without any known depth are left out.
 
         Args:
@@ -82,6 +80,11 @@ class DepthProbe(PlottedMetric):
             chosen = rows[known & (fold == number)]
             self.moments[number] += chosen.T @ chosen
 
+    @property
+    def can_tell(self) -> bool:
+        """Whether there are two pictures in each fold."""
+        return bool(self.moments[:, 0, 0].min() >= 2)
+
     def compute(self) -> dict[str, Tensor]:
         """`rmse` of the logarithm of depth, lower is better, and `explained`, the share of its variance.
 
@@ -89,7 +92,7 @@ class DepthProbe(PlottedMetric):
             SagError: fewer than two pictures in one of the folds.
         """
         counts = self.moments[:, 0, 0]
-        if counts.min() < 2:
+        if not self.can_tell:
             raise SagError(f"{self.title} needs two pictures in each fold, found {counts.int().tolist()}")
         errors = [self._errors(fitted=1 - number, tried=number) for number in (0, 1)]
         probed, mean = (sum(part) for part in zip(*errors))

@@ -10,8 +10,6 @@ const KEYS = [
   ['drag, one finger', 'orbit'], ['right drag, two fingers', 'move'], ['wheel, pinch', 'nearer, farther'], ['?', 'this help'],
 ];
 
-const byId = (id) => document.getElementById(id);
-
 function fillChoice(select, names, chosen) {
   select.replaceChildren(...names.map((name, place) => new Option(name, place)));
   byId(`${select.id}-choice`).hidden = names.length < 2;
@@ -24,8 +22,6 @@ function connect(player) {
   fillChoice(byId('window'), content.windows.map((view) => view.name), (place) => player.chooseWindow(place));
   byId('speed').append(...SPEEDS.map((speed) => new Option(`${speed} ×`, speed)));
   byId('speed').addEventListener('change', () => player.set({ speed: Number(byId('speed').value) }));
-  byId('play').addEventListener('click', () => player.play(!state.playing));
-  byId('frame').addEventListener('input', () => player.seek(Number(byId('frame').value)));
   byId('truth-button').addEventListener('click', () => player.toggle(player.motions.length));
   byId('touch-button').addEventListener('click', () => player.set({ touches: !state.touches }));
   byId('follow-button').addEventListener('click', () => player.set({ follow: !state.follow }));
@@ -79,15 +75,4 @@ function showState(player) {
   byId('row').value = state.row;
   byId('window').value = state.window;
   byId('speed').value = state.speed;
-  byId('play').setAttribute('aria-label', state.playing ? 'Pause' : 'Play');
-  byId('play').classList.toggle('playing', state.playing);
-}
-
-function showFrame(player) {
-  const slider = byId('frame');
-  slider.max = player.frames - 1;
-  slider.value = player.frame;
-  const seconds = (player.state.time / content.fps).toFixed(2);
-  slider.setAttribute('aria-valuetext', `frame ${player.frame} of ${player.frames - 1}, ${seconds} seconds`);
-  byId('clock').textContent = `${seconds} s`;
 }

@@ -2,12 +2,6 @@
 
 const body = document.querySelector('#figures tbody');
 
-function element(name, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
-}
-
 // Columns that some motion of the window has a figure for.
 function filledColumns(view) {
   const motions = [...view.rows.flatMap((row) => row.motions), ...(view.truth ? [view.truth] : [])];

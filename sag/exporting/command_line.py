@@ -1,29 +1,28 @@
-"""`sag export FILE.npz --to OUT`: motions from a file as BVH and animated glTF for other programs."""
+"""`sag export FILE.npz --to OUT`: motions from a file for other programs, and as films."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from functools import lru_cache
 from pathlib import Path
 from typing import get_args
 
 from sag.data.known import DATA_SETS
 from sag.data.motion_file import MotionFile, read_motions
 from sag.errors import SagError
-from sag.export import BvhForm, Surface, Unit, write_bvh, write_glb
-from sag.export.bvh import EXACT
+from sag.export import Unit
 from sag.export.source import Source
+from sag.exporting.formats import FORMATS, OPTIONS, Written, formats_of, lost
 from sag.references import BESIDE, config_beside, data_of
 from sag.skeleton import Skeleton, skeleton_named
 from sag.text import plain
 
 DESCRIPTION = """\
-Writes motions of a file, as sag predict and sag extend leave them, as BVH and as animated glTF (.glb): Y up, the
-origin on the floor under the person's start, one key for each frame. Up is what the data set says of the camera, if
-one is told or beside the file, else the camera's own up, as if it were held level, or a guess by --level."""
-
-FORMATS = ("bvh", "glb")
+Writes motions of a file, as sag predict, sag extend and sag sample leave them, as BVH and animated glTF (.glb): Y up,
+the origin on the floor under the person's start, one key for each frame; as films (.mp4, .gif) of the picture with the
+motion running in it, or with --orbit from an eye that swings around it; and as a recording for rerun (.rrd). Up is what
+the data set says of the camera, if one is told or beside the file, else the camera's own up, as if it were held level,
+or a guess by --level."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -34,12 +33,14 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("file", type=Path, metavar="FILE.npz", help="motions of any length, as `sag predict` writes them")
     made.add_argument(
         "--to", action="append", required=True, metavar="OUT",
-        help="a file that ends in .bvh or .glb, or bvh or glb alone with --output; may repeat",
+        help=f"a file that ends in .{', .'.join(FORMATS)}, or that alone with --output; may repeat",
     )  # fmt: skip
     made.add_argument("--window", type=int, metavar="N", help="by its place in the data (default: the file's first)")
     made.add_argument("--sample", type=int, metavar="K", help="which motion of the window, from 1 (default: 1)")
     made.add_argument("--all", action="store_true", help="every motion of the file; --window or --sample narrow it")
+    made.add_argument("--together", action="store_true", help="every sample of a window in one file; not for .bvh")
     made.add_argument("--output", type=Path, metavar="DIR", help="folder for files named FILE-WINDOW-SAMPLE")
+    made.add_argument("--orbit", action="store_true", help=".mp4, .gif: from an eye that swings around the motion")
     made.add_argument("--scene", action="store_true", help=".glb: the place that the start frame's picture shows")
     made.add_argument("--rigid", action="store_true", help=".bvh: rotations only; what that moves is printed")
     made.add_argument("--unit", choices=get_args(Unit), default="cm", help=".bvh: of lengths (default: cm); .glb has m")
@@ -62,44 +63,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
         SagError: the file or an option is refused; the sentence names it.
     """
     asked = parser().parse_args(arguments)
-    formats = _formats(asked)
-    source = _source(asked)
-    surface_of = lru_cache(maxsize=1)(source.surface)  # the samples of a window share it
-    chosen = list(source.chosen(asked.window, asked.sample, asked.all))
-    forms = []
-    for window, sample in chosen:
-        surface = surface_of(window) if asked.scene else None
+    formats = formats_of(asked)
+    source = _source(asked, formats)
+    window = next(iter(source.rows)) if asked.window is None and not asked.all else asked.window
+    chosen = list(source.chosen(window, asked.sample, asked.all or asked.together))
+    written = []
+    for window, samples in _files(chosen, asked.together):
         for to, form in zip(asked.to, formats):
-            path = asked.output / f"{asked.file.stem}-{window}-{sample}.{form}" if asked.output else Path(to)
-            forms.append(_write(path, source, (window, sample), surface, asked))
+            path = _path(to, form, window, samples, asked)
+            written.append(FORMATS[form](path, source, window, samples, asked))
             if not asked.all:
-                print(f"{plain(str(path))}: {_about(forms[-1], surface, asked.unit)}")
-    _say(source, chosen, forms, asked)
+                print(f"{plain(str(path))}: {written[-1].about}")
+    _say(source, chosen, written, asked)
     return 0
 
 
-def _formats(asked: argparse.Namespace) -> list[str]:
-    """Format of each file, or of the files that the command names."""
-    if asked.all and asked.output is None:
-        raise SagError("--all writes many files; name their folder by --output, and the formats by --to bvh --to glb")
-    formats = []
-    for to in asked.to:
-        form = to if asked.output else Path(to).suffix.lower().removeprefix(".")
-        if form not in FORMATS:
-            wanted = "bvh or glb alone, since --output names the folder" if asked.output else "a path in .bvh or .glb"
-            raise SagError(f"--to {to} must be {wanted}")
-        formats.append(form)
-    for option, form in (("scene", "glb"), ("rigid", "bvh")):
-        if getattr(asked, option) and form not in formats:
-            raise SagError(f"--{option} is for a .{form} file; add one by --to")
-    return formats
+def _files(chosen: list[tuple[int, int]], together: bool) -> list[tuple[int, list[int]]]:
+    """Window and samples of each file."""
+    if not together:
+        return [(window, [sample]) for window, sample in chosen]
+    windows = dict.fromkeys(window for window, _ in chosen)
+    return [(one, [sample for window, sample in chosen if window == one]) for one in windows]
 
 
-def _source(asked: argparse.Namespace) -> Source:
+def _path(to: str, form: str, window: int, samples: list[int], asked: argparse.Namespace) -> Path:
+    """Where a file goes: FILE-WINDOW-SAMPLE in the folder of --output, or what --to names."""
+    if asked.output is None:
+        return Path(to)
+    sample = "" if asked.together else f"-{samples[0]}"
+    orbit = "-orbit" if asked.orbit and form in OPTIONS["orbit"] else ""
+    return asked.output / f"{asked.file.stem}-{window}{sample}{orbit}.{form}"
+
+
+def _source(asked: argparse.Namespace, formats: Sequence[str]) -> Source:
     motions = read_motions(asked.file, frames=None)
     reference = asked.reference
     # What is beside the file is opened only where it is of use, since that may mean building it.
-    if reference is None and (asked.scene or not asked.level):
+    shows = asked.scene or {"mp4", "gif", "rrd"} & set(formats)
+    if reference is None and (shows or not asked.level):
         reference = config_beside(asked.file)
     data = None if reference is None else data_of(reference, asked.cache_dir)
     fps = motions.fps or asked.fps or (data.fps if data else None)
@@ -125,41 +126,18 @@ def _skeleton(asked: argparse.Namespace, motions: MotionFile) -> Skeleton:
     return skeleton
 
 
-def _write(
-    path: Path, source: Source, which: tuple[int, int], surface: Surface | None, asked: argparse.Namespace
-) -> BvhForm | None:
-    """Writes one file; of a BVH file gives back what it is."""
-    joints = source.joints(*which)
-    if path.suffix.lower() == ".bvh":
-        return write_bvh(path, joints, source.skeleton, source.fps, asked.unit, asked.rigid or None)
-    write_glb(path, joints, source.skeleton, source.fps, surface, source.view(which[0]))
-    return None
-
-
-def _about(form: BvhForm | None, surface: Surface | None, unit: Unit) -> str:
-    """What is in one file."""
-    if form is None:
-        return "a body" + ("" if surface is None else f" in a scene of {len(surface.triangles):,} triangles") + ", in m"
-    if not form.rigid:
-        return f"rotations, and the place of every joint since bones stretch: exact, in {unit}"
-    return f"rotations only: {_lost(form.largest, form.mean)}, in {unit}"
-
-
-def _lost(largest: float, mean: float) -> str:
-    if largest <= EXACT:
-        return "exact"
-    return f"bones keep one length, joints are {1000 * largest:.1f} mm off at most, {1000 * mean:.1f} mm on average"
-
-
-def _say(source: Source, chosen: list[tuple[int, int]], forms: list[BvhForm | None], asked: argparse.Namespace) -> None:
+def _say(source: Source, chosen: list[tuple[int, int]], written: list[Written], asked: argparse.Namespace) -> None:
     """What was written, and how it stands."""
     frames = f"{source.motions.joints.shape[2]} frames at {source.fps:g} fps"
     if asked.all:
-        print(f"{len(forms):,} files are in {plain(str(asked.output))}: {len(chosen):,} motions, {frames}")
-        rigid = [form for form in forms if form is not None and form.rigid]
+        files = f"{len(written):,} file{'s are' if len(written) > 1 else ' is'} in {plain(str(asked.output))}"
+        about = f": {written[0].about}" if len(written) == 1 else ""
+        print(f"{files}: {len(chosen):,} motion{'s' * (len(chosen) > 1)}, {frames}{about}")
+        rigid = [one.form for one in written if one.form is not None and one.form.rigid]
         if rigid:
-            lost = _lost(max(form.largest for form in rigid), sum(form.mean for form in rigid) / len(rigid))
-            print(f"{len(rigid):,} with rotations only: {lost}")
+            worst = lost(max(form.largest for form in rigid), sum(form.mean for form in rigid) / len(rigid))
+            print(f"{len(rigid):,} with rotations only: {worst}")
     else:
-        print(f"window {chosen[0][0]}, sample {chosen[0][1]}: {frames}")
+        numbers = ", ".join(str(sample) for _, sample in chosen)
+        print(f"window {chosen[0][0]}, sample{'s' * (len(chosen) > 1)} {numbers}: {frames}")
     print(f"Y is up, {source.up}; the origin is on the floor under the start")
