@@ -17,7 +17,7 @@ from sag.errors import SagError
 from sag.metrics.collisions.counts import collision_counts
 from sag.skeleton import GTA_IM_19
 
-SIZES = {"train_rooms": 1, "test_rooms": 1, "views": 1, "recordings": 1, "image_size": (18, 32)}
+SIZES = {"train_rooms": 1, "test_rooms": 1, "val_rooms": 0, "views": 1, "recordings": 1, "image_size": (18, 32)}
 
 
 @pytest.fixture(scope="module")

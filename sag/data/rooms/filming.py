@@ -21,8 +21,8 @@ from sag.data.rooms.surfaces import room_surfaces
 from sag.data.rooms.walks import Stage, Start
 from sag.data.rooms.windows import Recording, Scenery, picture_of
 
-TESTED = 2
-"""Every so many training rooms one has a camera for testing and a recording for validation."""
+TESTED, VALIDATED = 4, 12
+"""Every so many training rooms one has a camera for testing, and one for validation."""
 
 SHARED = 2
 """Recordings that begin at the same place: several outcomes from one start."""
@@ -54,10 +54,7 @@ class Shoot:
         return cls(recipe, number, room, Scenery(solids, np.array([*place, room.size[2] - 0.3])))
 
     def recordings(self) -> Iterator[Recording]:
-        """All recordings of the room, camera by camera.
-
-        Every other training room also has one recording for validation and a camera of its own for testing.
-        """
+        """All recordings of the room, camera by camera."""
         router, recipe = Router(self.room), self.recipe
         rays = self.scenery.solids.rays
         for view, splits in enumerate(self._takes()):
@@ -67,20 +64,19 @@ class Shoot:
                 yield self._recording(stage, camera, (view, take), split)
 
     def _takes(self) -> list[list[str]]:
-        """Split of each recording of each camera."""
+        """Split of each recording of each camera: who tests and validates has cameras of their own everywhere."""
         recipe = self.recipe
-        test = ["test"] * recipe.recordings
+        test, val = ["test"] * recipe.recordings, ["val"] * recipe.recordings
+        if self.number >= recipe.train_rooms + recipe.test_rooms:
+            return [val]
         if self.number >= recipe.train_rooms:
             return [test]
         cameras = [["train"] * recipe.recordings for _ in range(recipe.views)]
-        if self.number % TESTED:
-            return cameras
-        cameras[0].append("val")
-        return [*cameras, test]
+        return cameras + [test] * (self.number % TESTED == 0) + [val] * (self.number % VALIDATED == 0)
 
     def _recording(self, stage: Stage, camera: Camera, key: tuple[int, int], split: str) -> Recording:
         view, take = key
-        number = (self.number * (self.recipe.views + 1) + view) * (self.recipe.recordings + 1) + take
+        number = (self.number * (self.recipe.views + 2) + view) * self.recipe.recordings + take
         start: Start = stage.random_start(_generator(self.recipe, self.number, 2, view, take // SHARED))
         rng = _generator(self.recipe, self.number, 3, view, take)
         clip = stage.act(start, rng)

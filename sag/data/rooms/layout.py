@@ -21,13 +21,13 @@ MOST = {"plant": 2, "lamp": 2, "bed": 1, "shelf": 3}
 
 
 def random_room(rng: np.random.Generator) -> Room:
-    """Some room: 4 to 8 m a side, 9 to 20 pieces, all the free ground in one connected part."""
+    """Some room: 4 to 6 m a side, 9 to 20 pieces, all the free ground in one connected part."""
     while True:
-        size = (rng.uniform(4.2, 7.8), rng.uniform(4.2, 7.0), rng.uniform(2.7, 3.2))
+        size = (rng.uniform(4.0, 6.0), rng.uniform(4.0, 5.6), rng.uniform(2.7, 3.2))
         floor = random_floor(size[:2], rng)
         empty = RoomGeometry(size, floor)
         grid = WalkingGrid(size[:2], empty)
-        wanted = int(np.clip(rng.normal(0.5, 0.07) * size[0] * size[1], LEAST, 20))
+        wanted = int(np.clip(rng.normal(0.66, 0.07) * size[0] * size[1], LEAST, 20))
         pieces = _furnish(empty, grid, wanted, rng)
         if len(pieces) >= LEAST:
             return Room(size, floor, tuple(pieces), grid)

@@ -22,8 +22,10 @@ class RoomsDataModule(MotionDataModule):
     """Synthetic furnished rooms with people who walk, reach, sit and stand in them; made on the spot.
 
     Args:
-        train_rooms: rooms that are trained on; every other one also has a camera for testing.
+        train_rooms: rooms that are trained on; every fourth one also has a camera for testing, and every twelfth
+            one for validation.
         test_rooms: rooms that are only tested on.
+        val_rooms: rooms that are only validated on.
         views: cameras for training in each training room.
         recordings: recordings of each camera.
         seed: of all that is drawn.
@@ -40,8 +42,9 @@ class RoomsDataModule(MotionDataModule):
 
     def __init__(
         self,
-        train_rooms: int = 18,
-        test_rooms: int = 9,
+        train_rooms: int = 144,
+        test_rooms: int = 36,
+        val_rooms: int = 12,
         views: int = 2,
         recordings: int = 2,
         seed: int = 0,
@@ -55,7 +58,7 @@ class RoomsDataModule(MotionDataModule):
         super().__init__(cache_dir, skeleton, image_size, batch_size, eval_batch_size)
         if self.skeleton.name != GTA_IM_19.name:
             raise SagError(f"data.init_args.skeleton must be {GTA_IM_19.name} for rooms, found {skeleton!r}")
-        self.recipe = Recipe(seed, train_rooms, test_rooms, views, recordings, self.image_size)
+        self.recipe = Recipe(seed, train_rooms, test_rooms, val_rooms, views, recordings, self.image_size)
         self.workers = workers
 
         self.geometries: dict[int, RoomGeometry] = {}

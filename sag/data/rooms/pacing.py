@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 ACCELERATION = 1.0
 """Of walkers who set off and stop, metres a second squared."""
 
-LATERAL = 0.8
+LATERAL = 1.1
 """Greatest acceleration to the side in bends, metres a second squared."""
 
 

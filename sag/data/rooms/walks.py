@@ -17,10 +17,10 @@ from sag.data.rooms.placed import Placed
 from sag.data.rooms.room import Room
 from sag.data.rooms.routes import SPACING, Router
 
-SHORTEST, LONGEST = 6.0, 9.0
-"""Length of a recording, seconds."""
+SHORTEST, LONGEST = 3.2, 4.2
+"""Length of a recording, seconds: many short ones, so that places and ways differ more than windows overlap."""
 
-ACTIONS: dict[str, float] = {"walk": 0.5, "stand": 0.15, "reach": 0.13, "sit": 0.22}
+ACTIONS: dict[str, float] = {"walk": 0.56, "stand": 0.13, "reach": 0.12, "sit": 0.19}
 """What people do next, and how often."""
 
 
@@ -106,7 +106,7 @@ class Stage:
         if best is None:
             actor.stand(0.5)
         else:
-            actor.walk(best, rng.uniform(0.5, 1.5))
+            actor.walk(best, rng.uniform(0.7, 1.5))
 
     def _sit(self, actor: Actor, rng: np.random.Generator) -> None:
         seat = self._seats[rng.integers(len(self._seats))]
@@ -152,7 +152,7 @@ class Stage:
         """Walks to a place; False, and no step, where there is no way."""
         way = self.router.route(actor.position, goal)
         if way is not None:
-            actor.walk(way, rng.uniform(0.6, 1.3))
+            actor.walk(way, rng.uniform(0.7, 1.4))
         return way is not None
 
 
