@@ -12,11 +12,14 @@ import numpy as np
 
 from sag.data.rooms.filming import Shoot
 from sag.data.rooms.person import FRAME_RATE
-from sag.data.rooms.recipe import STRIDE, Recipe
+from sag.data.rooms.recipe import Recipe
 from sag.data.rooms.room import Room
 from sag.data.rooms.windows import Recording, Scenery, usable_starts
 from sag.errors import SagError
 from sag.types import FRAMES
+
+STRIDE = 5
+"""Frames from one window to the next with which the layouts are read by default (paper, 4.1)."""
 
 SPARE = 3
 """Recordings that are made for each one that is kept: those with the most usable windows."""
@@ -29,7 +32,7 @@ class Script:
     Attributes:
         rooms: how many rooms.
         recordings: of each room.
-        seconds: length of a recording; none is longer than it was acted (6 to 9 s).
+        seconds: length of a recording; none is longer than it was acted (3 to 4 s).
         size: rows and columns of the colour pictures.
         every: pictures are made of every so many frames; windows start at frames with pictures only.
         seed: of all that is drawn.
@@ -96,7 +99,7 @@ def _stretches(shoot: Shoot, script: Script, count: int, field: float | None) ->
     for recording in islice(training, count):
         if field is not None:
             recording = replace(recording, camera=replace(recording.camera, field=field))
-        starts = np.array(list(usable_starts(recording, shoot.scenery, Counter())), int)
+        starts = np.array(list(usable_starts(recording, shoot.scenery, Counter(), STRIDE)), int)
         firsts = range(0, max(len(recording.joints) - script.frames, 0) + 1, STRIDE)
         inside = [np.sum((starts >= first) & (starts <= first + script.frames - FRAMES)) for first in firsts]
         best = int(np.argmax(inside))

@@ -82,7 +82,7 @@ class Scenery:
 
 
 def windows(recording: Recording, scenery: Scenery, size: tuple[int, int], dropped: Counter[str]) -> Iterator[Row]:
-    """The rows of a recording's windows, one every five frames.
+    """The rows of a recording's windows, one every eight frames.
 
     Args:
         recording: what is cut.
@@ -94,10 +94,12 @@ def windows(recording: Recording, scenery: Scenery, size: tuple[int, int], dropp
         yield stored_window(recording, scenery, start, size)
 
 
-def usable_starts(recording: Recording, scenery: Scenery, dropped: Counter[str]) -> Iterator[int]:
-    """Frames at which windows start that can be used, of one every five; the others are counted by reason."""
+def usable_starts(
+    recording: Recording, scenery: Scenery, dropped: Counter[str], stride: int = STRIDE
+) -> Iterator[int]:
+    """Frames at which windows start that can be used, of one every `stride`; the others are counted by reason."""
     local = recording.camera.to_camera(recording.joints)
-    for start in range(0, len(local) - FRAMES + 1, STRIDE):
+    for start in range(0, len(local) - FRAMES + 1, stride):
         reason = _fault(local[start : start + FRAMES], recording, start, scenery)
         if reason:
             dropped[reason] += 1
