@@ -21,6 +21,7 @@ TOOLS = {
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
     "sample": "motions from your own photograph or a window, as files and films",
     "figure": "strips of poses in one picture, the same scenes over runs (the paper's Figures 1, 4, 8)",
+    "slim": "a trained run as small as it can be handed on",
     "extend": "samples motions of any length from a trained run",
     "export": "motions of a file as BVH, animated glTF, films and more",
     "view": "motions in their scenes as one HTML file for any browser",

@@ -15,7 +15,7 @@ from sag.report.latex import latex
 from sag.report.letters_plot import letters_plot_of
 from sag.report.lines import Line
 from sag.report.markdown import markdown
-from sag.report.paper import paper_figures
+from sag.report.paper import PaperFigures, paper_figures
 from sag.report.plot import NO_METADATA, STYLE, plot_of, svg_of
 from sag.report.spreadsheet import spreadsheet
 from sag.report.table import Report, report_of
@@ -24,7 +24,7 @@ from sag.report.table import Report, report_of
 def write_report(lines: Sequence[Line], title: str, out: Path) -> tuple[Report, str]:
     """Writes all files to a folder; returns the report that Markdown and the terminal show, and the files' names."""
     out.mkdir(parents=True, exist_ok=True)
-    paper = paper_figures(str(next(line.finished[0].data.get("name") for line in lines if line.finished)))
+    paper = _paper(lines)
     evidence = evidence_of(lines, paper)
     report = with_evidence(report_of(title, lines), evidence)
     whole = with_evidence(report_of(title, lines, whole=True), evidence)
@@ -42,6 +42,16 @@ def write_report(lines: Sequence[Line], title: str, out: Path) -> tuple[Report, 
         draw(canvas, out, name)
         names.append(f"{name}.png, .svg")
     return report, "; ".join(names)
+
+
+def whole_report(lines: Sequence[Line], title: str) -> Report:
+    """The report that Markdown and the terminal show, without files."""
+    paper = _paper(lines)
+    return with_evidence(report_of(title, lines), evidence_of(lines, paper))
+
+
+def _paper(lines: Sequence[Line]) -> PaperFigures:
+    return paper_figures(str(next(line.finished[0].data.get("name") for line in lines if line.finished)))
 
 
 def _sheets(lines: Sequence[Line]) -> list[tuple[str, bytes]]:

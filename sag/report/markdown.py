@@ -17,13 +17,13 @@ def markdown(report: Report) -> str:
     parts += [f"> **Warning:** {notice}" for notice in report.notices]
     for table in report.tables:
         parts += [f"## {table.title}"] if table.title else []
-        parts += [_grid(table), table.legend]
+        parts += [grid(table), table.legend]
     parts.append("\n".join(f"- {name}: {value}" for name, value in report.facts))
     return "\n\n".join(parts) + "\n"
 
 
-def _grid(table: Table) -> str:
-    """Markdown has no headings over several columns, so that each says its group's."""
+def grid(table: Table) -> str:
+    """A table alone. Markdown has no headings over several columns, so that each says its group's."""
     headings = [f"{column.group.short} {column.label}".strip() for column in table.columns]
     body = [[_text(cell) for cell in row.cells] for row in table.rows]
     widths = [max(3, *map(len, texts)) for texts in zip(headings, *body)]

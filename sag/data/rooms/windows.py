@@ -94,9 +94,7 @@ def windows(recording: Recording, scenery: Scenery, size: tuple[int, int], dropp
         yield stored_window(recording, scenery, start, size)
 
 
-def usable_starts(
-    recording: Recording, scenery: Scenery, dropped: Counter[str], stride: int = STRIDE
-) -> Iterator[int]:
+def usable_starts(recording: Recording, scenery: Scenery, dropped: Counter[str], stride: int = STRIDE) -> Iterator[int]:
     """Frames at which windows start that can be used, of one every `stride`; the others are counted by reason."""
     local = recording.camera.to_camera(recording.joints)
     for start in range(0, len(local) - FRAMES + 1, stride):
