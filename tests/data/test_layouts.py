@@ -44,7 +44,7 @@ def test_recordings_have_cameras_of_their_own_or_share_one_with_the_lens_that_is
 
 def test_no_recording_is_longer_than_it_was_acted() -> None:
     (recording,) = filmed(Script(rooms=1, recordings=1, seconds=60.0), 0).recordings
-    assert 6 * 30 <= len(recording.joints) <= 9 * 30
+    assert 3 * 30 <= len(recording.joints) <= 5 * 30
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,7 @@ def filmed(script: Script, number: int, field: float | None = None) -> FilmedRoo
     """
     made = SPARE * script.recordings
     views, takes = (made, 1) if field is None else (1, made)
-    shoot = Shoot.of(Recipe(script.seed, script.rooms, 1, views, takes), number)
+    shoot = Shoot.of(Recipe(script.seed, script.rooms, views=views, recordings=takes), number)
     best = sorted(_stretches(shoot, script, made, field), key=itemgetter(0), reverse=True)[: script.recordings]
     return FilmedRoom(shoot.room, shoot.scenery, tuple(recording for _, recording in best))
 
