@@ -33,7 +33,7 @@ pretraining = $(if $(GTA_IM),$(if $(filter-out prox,$(DATA)),$(error GTA_IM is f
 help: ## Show this help.
 	@grep -hE '^[a-z0-9_-]+:.*## ' $(MAKEFILE_LIST) | sort | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
 	@echo
-	@echo "  Options: DATA=rooms|gta_im|prox|folder  ROOT=folder of the data  PRESET=quick|paper  JOBS=2  SEEDS=1  RUNS=runs"
+	@echo "  Options: DATA=rooms|gta_im|prox|folder  ROOT=folder of the data  PRESET=quick|standard|paper  JOBS=2  SEEDS=1  RUNS=runs"
 	@echo "  For DATA=prox: SMPLX=folder of SMPL-X's models  GTA_IM=folder of GTA-IM, to pre-train on it"
 	@echo "  EXTRA=further options of sag sweep, such as --set model.init_args.critic_steps=3, or of the benchmarks"
 
@@ -71,6 +71,15 @@ table4: install ## The rows of the paper's Table 4: non-collision, on PROX with 
 figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far trajectories to one end point part.
 	@$(call sweep,figure7)
 	$(BIN)/sag figure7 $(call folder,figure7) --out $(call folder,figure7)
+
+.PHONY: recipe
+recipe: install ## One setting of the recipe changed at a time, on rooms that no table is tested on (docs/recipe.md).
+	@$(call sweep,recipe)
+
+.PHONY: pages
+pages: install ## Renew the tables of README.md and docs/ from results/.
+	$(BIN)/sag report --page README.md
+	$(BIN)/sag report --page docs/recipe.md
 
 .PHONY: preview
 preview: install ## Draw windows of the synthetic rooms with their motion into runs/preview.png.

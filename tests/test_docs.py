@@ -14,6 +14,7 @@ from sag.data.command import main as data
 from sag.data.folder import FolderDataModule
 from sag.errors import SagError
 from sag.models.erd import MotionEncoders
+from sag.report.command_line import main as report
 from sag.types import Batch
 
 ROOT = Path(__file__).parent.parent
@@ -102,3 +103,12 @@ def test_pages_name_files_that_are_there(page):
     missing = [name for name in linked if not (page.parent / name).exists()]
     missing += [name for name in shown if not (ROOT / name).exists()]
     assert not missing
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "<!-- table of" in page.read_text()], ids=lambda p: p.name)
+def test_tables_of_pages_are_those_of_the_kept_results(page, tmp_path, monkeypatch, capsys):
+    copy = tmp_path / page.name
+    shutil.copy(page, copy)
+    monkeypatch.chdir(ROOT)
+    assert report(["--page", str(copy)]) == 0
+    assert copy.read_text() == page.read_text(), f"{page.name}: run `make pages`"

@@ -57,7 +57,8 @@ def _named(report: Report, title: str, folder: str) -> Table:
 
 
 def _brief(table: Table) -> Table:
-    """The columns without which the table would not be one."""
-    kept = [place for place, column in enumerate(table.columns) if not column.detail]
+    """The columns without which the table would not be one, those without any content left out."""
+    filled = [any(row.cells[place].text for row in table.rows) for place in range(len(table.columns))]
+    kept = [place for place, column in enumerate(table.columns) if not column.detail and filled[place]]
     rows = (replace(row, cells=tuple(row.cells[place] for place in kept)) for row in table.rows)
     return replace(table, columns=tuple(table.columns[place] for place in kept), rows=tuple(rows))
