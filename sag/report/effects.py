@@ -13,7 +13,7 @@ import numpy as np
 from sag.letters import LETTERS
 from sag.report.lines import Line
 from sag.report.measures import Measure
-from sag.report.statistics import Contrasts, Estimate, Numbers, contrasts
+from sag.report.statistics import Estimate, Numbers, contrasts
 
 Cell = tuple[bool, ...]
 """A combination of components, in the order of `LETTERS`."""
@@ -21,7 +21,11 @@ Cell = tuple[bool, ...]
 Source = Literal["seeds", "interactions", ""]
 """Where the error of an effect comes from: the seeds, three- and four-way interactions, or nowhere."""
 
+Fitted = tuple[Estimate, int, Source]
+"""An effect, the degrees of freedom of its error, and where that comes from."""
+
 EVERY = tuple(product((False, True), repeat=len(LETTERS)))
+UNKNOWN: Fitted = (Estimate(math.nan), 0, "")
 SUBJECTS = tuple(c for order in (1, 2) for c in combinations(range(len(LETTERS)), order))
 """Main effects, then two-way interactions, as places in `LETTERS`."""
 
@@ -56,22 +60,22 @@ class Effect:
 def effects_of(lines: Sequence[Line], measure: Measure) -> list[Effect]:
     """Main effects and two-way interactions in a measure; nothing where no row has it.
 
-    With seeds: y = row + seed + e, the interval from what is left; the row's part is free, so that interactions of any
-    order are no error. With one seed and all 16 rows: y = mean + main effects + two-way interactions + e, in +-1
-    coding, so that three- and four-way interactions are the error. Effects whose rows hold NaN are NaN.
+    With seeds: y = row + seed + e over the rows that an effect compares, the interval from what is left; the row's part
+    is free, so that interactions of any order are no error. Other rows have no say in it, since seeds scatter some rows
+    several times as much as others. With one seed and all 16 rows: y = mean + main effects + two-way interactions + e,
+    in +-1 coding, so that three- and four-way interactions are the error. Effects whose rows hold NaN are NaN.
     """
     cells = _cells(lines, measure)
     weights = [_weights(subject, set(cells)) for subject in SUBJECTS]
     whole = {cell: seeds for cell, seeds in cells.items() if not any(map(math.isnan, seeds.values()))}
     known = [place for place, weight in enumerate(weights) if weight and set(weight) <= set(whole)]
-    fitted, source = _fitted(whole, [SUBJECTS[k] for k in known], [weights[k] for k in known])
-    estimates = dict(zip(known, fitted.estimates))
+    fitted = dict(zip(known, _fitted(whole, [SUBJECTS[k] for k in known], [weights[k] for k in known])))
     effects = []
     for place, (subject, weight) in enumerate(zip(SUBJECTS, weights) if cells else ()):
-        estimate = estimates.get(place, Estimate(math.nan)) if weight else None
+        estimate, freedom, source = fitted.get(place, UNKNOWN) if weight else (None, 0, UNKNOWN[2])
         components = tuple(list(LETTERS)[k] for k in subject)
         twins = len(_twins(subject, set(cells)))
-        effects.append(Effect(components, measure, estimate, twins, source, fitted.freedom))
+        effects.append(Effect(components, measure, estimate, twins, source, freedom))
     return effects
 
 
@@ -106,20 +110,29 @@ def _fitted(
     cells: Mapping[Cell, Mapping[int, float]],
     subjects: Sequence[Sequence[int]],
     weights: Sequence[Mapping[Cell, float]],
-) -> tuple[Contrasts, Source]:
-    """The effects and where their error comes from."""
-    if not subjects:
-        return Contrasts((), 0), ""
+) -> list[Fitted]:
+    if sum(map(len, cells.values())) == len(EVERY) == len(cells):
+        return _from_interactions(cells, subjects)
+    return [_from_seeds({cell: cells[cell] for cell in weight}, weight) for weight in weights]
+
+
+def _from_interactions(cells: Mapping[Cell, Mapping[int, float]], subjects: Sequence[Sequence[int]]) -> list[Fitted]:
     values = np.array([value for seeds in cells.values() for value in seeds.values()])
-    if len(values) == len(EVERY) == len(cells):
-        design = np.array([[1] + [_sign(subject, cell) for subject in SUBJECTS] for cell in cells], dtype=float)
-        wanted = 2 * np.array([[0] + [subject == other for other in SUBJECTS] for subject in subjects], dtype=float)
-        return contrasts(design, values, wanted), "interactions"
+    design = np.array([[1] + [_sign(subject, cell) for subject in SUBJECTS] for cell in cells], dtype=float)
+    wanted = 2 * np.array([[0] + [subject == other for other in SUBJECTS] for subject in subjects], dtype=float)
+    fitted = contrasts(design, values, wanted.reshape(len(subjects), -1))
+    return [(estimate, fitted.freedom, "interactions") for estimate in fitted.estimates]
+
+
+def _from_seeds(
+    cells: Mapping[Cell, Mapping[int, float]], weight: Mapping[Cell, float]
+) -> tuple[Estimate, int, Source]:
+    values = np.array([value for seeds in cells.values() for value in seeds.values()])
     design = _rows_and_seeds(cells)
-    wanted = np.zeros((len(weights), design.shape[1]))
-    wanted[:, : len(cells)] = [[weight.get(cell, 0.0) for cell in cells] for weight in weights]
+    wanted = np.zeros((1, design.shape[1]))
+    wanted[0, : len(cells)] = [weight[cell] for cell in cells]
     fitted = contrasts(design, values, wanted)
-    return fitted, "seeds" if fitted.freedom else ""
+    return fitted.estimates[0], fitted.freedom, "seeds" if fitted.freedom else ""
 
 
 def _rows_and_seeds(cells: Mapping[Cell, Mapping[int, float]]) -> Numbers:

@@ -61,8 +61,8 @@ class Letters:
                 "as if these were chance alone; seeds say more."
             )
         return (
-            f"The error is that of seeds within rows, of one size for all rows, what a seed does to all rows left out "
-            f"({degrees} degrees of freedom)."
+            "The error is that of seeds within the rows that an effect compares, what a seed does to all of them left "
+            f"out ({degrees} degrees of freedom)."
         )
 
 

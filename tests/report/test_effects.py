@@ -65,7 +65,7 @@ def test_effects_are_those_of_least_squares_in_plus_minus_coding():
     assert [found(lines)[name].estimate.value for name in names] == pytest.approx((2 * coefficients).tolist())
 
 
-@pytest.mark.parametrize(("rows", "seeds", "freedom"), [(ROWS, 1, 5), (ROWS, 2, 15), (TABLE_1, 3, 10)])
+@pytest.mark.parametrize(("rows", "seeds", "freedom"), [(ROWS, 1, 5), (ROWS, 2, 15), (TABLE_1, 5, 4)])
 def test_intervals_hold_the_truth_as_often_as_they_say(rows, seeds, freedom):
     rng = np.random.default_rng(0)
     held, count = [], 150
@@ -74,6 +74,20 @@ def test_intervals_hold_the_truth_as_often_as_they_say(rows, seeds, freedom):
         assert effects["M"].freedom == freedom
         held += [effects[n].estimate.low <= truth <= effects[n].estimate.high for n, truth in {"M": 1, "D": -2}.items()]
     assert np.mean(held) == pytest.approx(0.95, abs=0.03)
+
+
+def test_rows_that_an_effect_does_not_compare_have_no_say_in_its_interval():
+    """Without M seeds scatter a hundred times as much; P and C are told from four rows with M."""
+    rng = np.random.default_rng(1)
+    quiet = {(row, seed): rng.normal() for row in TABLE_1 for seed in range(5)}
+    lines, loud = (
+        made(TABLE_1, range(5), lambda row, s, scatter=scatter: planted(row, s) + quiet[row or "none", s] * (1 if row else scatter))
+        for scatter in (1, 100)
+    )
+    for name in ("P", "C", "P×C"):
+        assert found(loud)[name].estimate == found(lines)[name].estimate
+        assert found(loud)[name].freedom == 4 * 5 - 4 - 4
+    assert found(loud)["M"].estimate.high - found(loud)["M"].estimate.low > 20
 
 
 def test_one_seed_takes_its_error_from_higher_interactions():
