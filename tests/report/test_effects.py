@@ -80,10 +80,11 @@ def test_rows_that_an_effect_does_not_compare_have_no_say_in_its_interval():
     """Without M seeds scatter a hundred times as much; P and C are told from four rows with M."""
     rng = np.random.default_rng(1)
     quiet = {(row, seed): rng.normal() for row in TABLE_1 for seed in range(5)}
-    lines, loud = (
-        made(TABLE_1, range(5), lambda row, s, scatter=scatter: planted(row, s) + quiet[row or "none", s] * (1 if row else scatter))
-        for scatter in (1, 100)
-    )
+
+    def scattered(by):
+        return lambda row, seed: planted(row, seed) + quiet[row or "none", seed] * (1 if row else by)
+
+    lines, loud = (made(TABLE_1, range(5), scattered(by)) for by in (1, 100))
     for name in ("P", "C", "P×C"):
         assert found(loud)[name].estimate == found(lines)[name].estimate
         assert found(loud)[name].freedom == 4 * 5 - 4 - 4
