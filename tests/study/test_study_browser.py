@@ -52,7 +52,9 @@ def begin(tab: Tab, port: int) -> str:
 
 def shown(tab: Tab, turn: int = 0) -> None:
     """Waits until a motion is there to be scored."""
-    tab.until(f"window.sagStudy && sagStudy.turn === {turn} && !sagStudy.saving")
+    # While a scene is on its way the clip before it is still there.
+    there = "document.getElementById('loading').hidden"
+    tab.until(f"window.sagStudy && sagStudy.turn === {turn} && !sagStudy.saving && {there}")
     tab.until("sagStudy.clip.drawn > 0 && !sagStudy.clip.stale")
 
 
