@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import torch
 from omegaconf import OmegaConf
 
 from sag.checkpoints import FOLDER, LAST, WholeCheckpoints
 from sag.errors import SagError
 from sag.files import read_yaml, write_whole
 from sag.methods.pretrained import AVERAGED, SAMPLER
-from sag.runs import CONFIG, run_folder
-from sag.seal import write_sealed
+from sag.runs import CONFIG
 
 DESCRIPTION = """\
 Writes a run's config and a checkpoint without what only training needs: no optimisers, and the averaged weights in the
@@ -43,17 +40,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         SagError: there is no run, a file is damaged, or a checkpoint is in the way.
     """
     asked = parser().parse_args(arguments)
-    folder = run_folder(asked.run)
+    folder = asked.run
     path = asked.out / FOLDER / LAST
     if path.exists():
         raise SagError(f"{path} is there already; name another --out, or remove it")
     if not (folder / CONFIG).is_file():
         raise SagError(f"{folder} holds no run: it has no {CONFIG}")
     checkpoint = WholeCheckpoints().load_checkpoint(folder / FOLDER / LAST)
-    archive = io.BytesIO()
-    torch.save(slimmed(checkpoint), archive)
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_sealed(path, archive)
+    WholeCheckpoints().save_checkpoint(slimmed(checkpoint), path)
     config = OmegaConf.to_yaml(OmegaConf.create(without_average(read_yaml(folder / CONFIG), asked.out)))
     write_whole(asked.out / CONFIG, lambda file: file.write(config.encode()))
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {(folder / FOLDER / LAST).stat().st_size / 1e6:.1f} MB before")

@@ -21,11 +21,13 @@ Cell = tuple[bool, ...]
 Source = Literal["seeds", "interactions", ""]
 """Where the error of an effect comes from: the seeds, three- and four-way interactions, or nowhere."""
 
-Fitted = tuple[Estimate, int, Source]
+Fitted = tuple[Estimate | None, int, Source]
 """An effect, the degrees of freedom of its error, and where that comes from."""
 
 EVERY = tuple(product((False, True), repeat=len(LETTERS)))
 UNKNOWN: Fitted = (Estimate(math.nan), 0, "")
+WITHOUT_TWINS: Fitted = (None, 0, "")
+
 SUBJECTS = tuple(c for order in (1, 2) for c in combinations(range(len(LETTERS)), order))
 """Main effects, then two-way interactions, as places in `LETTERS`."""
 
@@ -72,7 +74,7 @@ def effects_of(lines: Sequence[Line], measure: Measure) -> list[Effect]:
     fitted = dict(zip(known, _fitted(whole, [SUBJECTS[k] for k in known], [weights[k] for k in known])))
     effects = []
     for place, (subject, weight) in enumerate(zip(SUBJECTS, weights) if cells else ()):
-        estimate, freedom, source = fitted.get(place, UNKNOWN) if weight else (None, 0, UNKNOWN[2])
+        estimate, freedom, source = fitted.get(place, UNKNOWN) if weight else WITHOUT_TWINS
         components = tuple(list(LETTERS)[k] for k in subject)
         twins = len(_twins(subject, set(cells)))
         effects.append(Effect(components, measure, estimate, twins, source, freedom))
@@ -120,13 +122,11 @@ def _from_interactions(cells: Mapping[Cell, Mapping[int, float]], subjects: Sequ
     values = np.array([value for seeds in cells.values() for value in seeds.values()])
     design = np.array([[1] + [_sign(subject, cell) for subject in SUBJECTS] for cell in cells], dtype=float)
     wanted = 2 * np.array([[0] + [subject == other for other in SUBJECTS] for subject in subjects], dtype=float)
-    fitted = contrasts(design, values, wanted.reshape(len(subjects), -1))
+    fitted = contrasts(design, values, wanted)
     return [(estimate, fitted.freedom, "interactions") for estimate in fitted.estimates]
 
 
-def _from_seeds(
-    cells: Mapping[Cell, Mapping[int, float]], weight: Mapping[Cell, float]
-) -> tuple[Estimate, int, Source]:
+def _from_seeds(cells: Mapping[Cell, Mapping[int, float]], weight: Mapping[Cell, float]) -> Fitted:
     values = np.array([value for seeds in cells.values() for value in seeds.values()])
     design = _rows_and_seeds(cells)
     wanted = np.zeros((1, design.shape[1]))

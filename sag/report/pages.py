@@ -20,7 +20,7 @@ from sag.report.table import Report, Table
 PAPER = "the paper's figures"
 """Name of the table that has no title."""
 
-BLOCK = re.compile(r"(?m)^<!-- table of (?P<folder>\S+): (?P<title>.+?) -->\n(?P<body>(?s:.*?))^<!-- end of table -->$")
+BLOCK = re.compile(r"(?m)^(<!-- table of (?P<folder>\S+): (?P<title>.+?) -->\n)(?s:.*?)^(<!-- end of table -->)$")
 OPENING = re.compile(r"(?m)^<!-- table of ")
 
 
@@ -40,8 +40,7 @@ def with_tables(page: str, read: Callable[[str], Report]) -> str:
         folder, title = found["folder"], found["title"]
         if folder not in reports:
             reports[folder] = read(folder)
-        opening = found[0].partition("\n")[0]
-        return f"{opening}\n{grid(_brief(_named(reports[folder], title, folder)))}\n<!-- end of table -->"
+        return f"{found[1]}{grid(_brief(_named(reports[folder], title, folder)))}\n{found[4]}"
 
     made, count = BLOCK.subn(renewed, page)
     if count < len(OPENING.findall(page)):
