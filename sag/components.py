@@ -13,6 +13,7 @@ from torch import nn
 
 from sag.letters import row_name
 from sag.losses import berhu
+from sag.models.bones import Bones, KeptBonesGenerator
 from sag.models.critic_networks import (
     BLOCKS,
     CONTEXT_BLOCKS,
@@ -73,6 +74,7 @@ class Network:
         critic_norm: norm in the critics.
         kernel: of the Gaussian-process noise.
         units: what the networks reckon in.
+        bones: whether a pose's joints are free, as in the paper, or its bones kept at their lengths in frame 0.
         crop_scale: size of the context critic's crops; 1 is the paper's.
         context_depth: the depth those crops are cut from when D is on.
         feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
@@ -85,6 +87,7 @@ class Network:
     critic_norm: Norm = "batch"
     kernel: Kernel = "exponential"
     units: Units = "zscore"
+    bones: Bones = "free"
     crop_scale: float = 1.0
     context_depth: ContextDepth = "decoded"
     feature_grid: tuple[int, int] = (1, 1)
@@ -118,7 +121,8 @@ def build_generator(
 ) -> MotionGenerator:
     """M decides: two generators in a row, or CSGN's one."""
     kind = SeparateGenerator if components.separate else JointGenerator
-    return kind(network.generator_sizes, skeleton, scale, network.kernel)
+    generator = kind(network.generator_sizes, skeleton, scale, network.kernel)
+    return KeptBonesGenerator(generator, skeleton) if network.bones == "kept" else generator
 
 
 def build_depth(components: Components, network: Network, image_size: tuple[int, int]) -> SceneDepth:

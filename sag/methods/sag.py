@@ -19,6 +19,7 @@ from sag.components import (
 )
 from sag.errors import SagError
 from sag.methods.base import Sample
+from sag.methods.rates import checked_share, set_rates
 from sag.methods.wgan import WGAN, Recipe
 from sag.models.precision import full_precision
 from sag.models.sampler import Sampler
@@ -44,6 +45,7 @@ class SAG(WGAN):
         penalty_target: norm that the penalty asks of a critic's gradient.
         average: decay of the averaged generator that samples; 0 samples from the raw one.
         weights: factor on each loss of the generator by its name; 1 where none is given.
+        falling_from: share of the training after which the learning rate falls, in a line to 0 at its end; 1 keeps it.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class SAG(WGAN):
         penalty_target: float = 0.1,
         average: float = 0.0,
         weights: dict[str, float] = {},
+        falling_from: float = 1.0,
     ) -> None:
         components = components or Components()
         body = skeleton_named(skeleton)
@@ -74,6 +77,7 @@ class SAG(WGAN):
         self.depth = depth
         self.averaged = _averaged(self.sampler, average)
         self.critic_steps = critic_steps
+        self.falling_from = checked_share(falling_from)
 
     @staticmethod
     def _checked(weights: dict[str, float]) -> dict[str, float]:
@@ -96,6 +100,7 @@ class SAG(WGAN):
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Every batch trains the critics, and every `critic_steps`-th one of the whole fit the generator too."""
         place = self.trainer.fit_loop.epoch_loop.total_batch_idx  # type: ignore[attr-defined]
+        set_rates(self, place, self.recipe.learning_rate, self.falling_from)
         generator_due = (place + 1) % self.critic_steps == 0
         with torch.set_grad_enabled(generator_due):
             condition = self.sampler.condition(batch.scene, batch.motion)

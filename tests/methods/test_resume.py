@@ -25,10 +25,12 @@ from sag.trainer import Trainer
 
 TINY = Network(width=0.05)
 LAYER = Network(width=0.05, critic_norm="layer")
+KEPT = Network(width=0.05, critic_norm="layer", bones="kept")
 EPOCHS, BATCHES = 2, 3
 
 METHODS: dict[str, Callable[[], pl.LightningModule]] = {
     "sag": lambda: SAG(network=LAYER, image_size=(36, 64), average=0.9, critic_steps=2),
+    "sag, rate that falls": lambda: SAG(network=KEPT, image_size=(36, 64), critic_steps=2, falling_from=0.2),
     "sag, batch norm": lambda: SAG(network=TINY, image_size=(36, 64)),
     "hp_gan": lambda: HPGAN(TINY, recipe=HPGANRecipe(critic_steps=2)),
     "two_stage": lambda: TwoStage(TINY, recipe=TwoStageRecipe(critic_steps=1)),
@@ -114,6 +116,7 @@ def undisturbed(toy_cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Ca
 
 POSITIONS = {
     "sag": range(EPOCHS * BATCHES),
+    "sag, rate that falls": (1, 4),
     "sag, batch norm": (2,),
     "hp_gan": (2, 3),
     "two_stage": (1, 3, 4),  # its stages end in the third and the fourth batch
