@@ -13,7 +13,6 @@ from torch import nn
 
 from sag.letters import row_name
 from sag.losses import berhu
-from sag.models.bones import Bones, KeptBonesGenerator
 from sag.models.critic_networks import (
     BLOCKS,
     CONTEXT_BLOCKS,
@@ -30,6 +29,7 @@ from sag.models.critics import (
     ProjectionCritic,
     TrajectoryCritic,
 )
+from sag.models.finishing import Bones, FinishedGenerator, KeptBones, Smooth
 from sag.models.generators import GeneratorSizes, JointGenerator, MotionGenerator, SeparateGenerator
 from sag.models.graph import Norm
 from sag.models.noise import Kernel
@@ -75,6 +75,7 @@ class Network:
         kernel: of the Gaussian-process noise.
         units: what the networks reckon in.
         bones: whether a pose's joints are free, as in the paper, or its bones kept at their lengths in frame 0.
+        smooth: frames to either side over which a drawn motion is averaged; 0 leaves frames free, as in the paper.
         crop_scale: size of the context critic's crops; 1 is the paper's.
         context_depth: the depth those crops are cut from when D is on.
         feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
@@ -88,6 +89,7 @@ class Network:
     kernel: Kernel = "exponential"
     units: Units = "zscore"
     bones: Bones = "free"
+    smooth: int = 0
     crop_scale: float = 1.0
     context_depth: ContextDepth = "decoded"
     feature_grid: tuple[int, int] = (1, 1)
@@ -122,7 +124,9 @@ def build_generator(
     """M decides: two generators in a row, or CSGN's one."""
     kind = SeparateGenerator if components.separate else JointGenerator
     generator = kind(network.generator_sizes, skeleton, scale, network.kernel)
-    return KeptBonesGenerator(generator, skeleton) if network.bones == "kept" else generator
+    finishes = [Smooth(network.smooth)] if network.smooth else []
+    finishes += [KeptBones(skeleton)] if network.bones == "kept" else []
+    return FinishedGenerator(generator, finishes) if finishes else generator
 
 
 def build_depth(components: Components, network: Network, image_size: tuple[int, int]) -> SceneDepth:
