@@ -20,7 +20,7 @@ TOOLS = {
     "doctor": "says whether this machine is ready, and what to do where it is not",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
     "sample": "motions from your own photograph or a window, as files and films",
-    "figure": "strips of poses in one picture, the same scenes over runs (the paper's Figures 1, 4, 8)",
+    "figure": "strips of poses over runs (the paper's Figures 1, 4, 8), contact sheets, how fast people move",
     "slim": "a trained run as small as it can be handed on",
     "extend": "samples motions of any length from a trained run",
     "export": "motions of a file as BVH, animated glTF, films and more",
@@ -29,7 +29,7 @@ TOOLS = {
 }
 """Subcommands that do not train, with what they do."""
 
-PLACES = {"data": "data.command", "doctor": "doctor.command_line", "figure": "strips", "export": "exporting"}
+PLACES = {"data": "data.command", "doctor": "doctor.command_line", "figure": "figures", "export": "exporting"}
 """Where tools lie that are not called by their module's name."""
 
 TRAINING = ("fit", "run", "validate", "test", "predict")

@@ -9,10 +9,10 @@ from PIL import Image
 from toy_runs import toy_run
 
 from sag.cli import main
+from sag.figures.command_line import _letters
 from sag.report.html import html
 from sag.report.table import Report, Table
 from sag.runs import read_runs
-from sag.strips.command_line import _letters
 
 
 @pytest.fixture
