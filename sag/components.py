@@ -124,7 +124,7 @@ def build_generator(
     """M decides: two generators in a row, or CSGN's one."""
     kind = SeparateGenerator if components.separate else JointGenerator
     generator = kind(network.generator_sizes, skeleton, scale, network.kernel)
-    finishes = [Smooth(network.smooth)] if network.smooth else []
+    finishes: list[nn.Module] = [Smooth(network.smooth)] if network.smooth else []
     finishes += [KeptBones(skeleton)] if network.bones == "kept" else []
     return FinishedGenerator(generator, finishes) if finishes else generator
 
