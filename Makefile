@@ -72,6 +72,10 @@ figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far
 	@$(call sweep,figure7)
 	$(BIN)/sag figure7 $(call folder,figure7) --out $(call folder,figure7)
 
+.PHONY: standard
+standard: install ## Motion to look at: the whole system at the preset standard, for an hour on a laptop; the run that ships.
+	@$(BIN)/sag sweep sweeps/standard.yaml --jobs $(JOBS) --out $(RUNS)/standard $(EXTRA) && $(BIN)/sag report $(RUNS)/standard
+
 .PHONY: recipe
 recipe: install ## One setting of the recipe changed at a time, on rooms that no table is tested on (docs/recipe.md).
 	@$(call sweep,recipe)
@@ -80,6 +84,7 @@ recipe: install ## One setting of the recipe changed at a time, on rooms that no
 pages: install ## Renew the tables of README.md and docs/ from results/.
 	$(BIN)/sag report --page README.md
 	$(BIN)/sag report --page docs/recipe.md
+	$(BIN)/sag report --page sag/shipped/mdpc/README.md
 
 .PHONY: preview
 preview: install ## Draw windows of the synthetic rooms with their motion into runs/preview.png.

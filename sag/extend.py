@@ -20,6 +20,7 @@ from sag.methods.sliding import LONGEST_OVERLAP, sample_long, window_starts
 from sag.metrics import SeamJerk
 from sag.options import add_cache_dir
 from sag.runs import Run, read_run
+from sag.shipped import beside, run_path
 from sag.types import FRAMES, Batch
 
 COLUMNS = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -46,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog="sag extend", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("run", type=Path, metavar="RUN", help="folder of a trained run")
+    made.add_argument("run", type=run_path, metavar="RUN", help="folder of a trained run, or shipped")
     made.add_argument("--frames", type=int, required=True, metavar="T", help="of each motion, the given one included")
     made.add_argument(
         "--overlap",
@@ -71,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     asked = parser().parse_args(arguments)
     window_starts(asked.frames, asked.overlap)
-    out = _out(asked.out or asked.run / "extended.npz")
+    out = _out(asked.out or beside(asked.run, "extended.npz"))
     if asked.samples < 1:
         raise SagError(f"--samples is {asked.samples}; at least one motion of each window is needed")
     run = read_run(asked.run, asked.cache_dir)

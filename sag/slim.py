@@ -17,8 +17,8 @@ from sag.runs import CONFIG
 
 DESCRIPTION = """\
 Writes a run's config and a checkpoint without what only training needs: no optimisers, and the averaged weights in the
-place of the raw ones, so that it samples what the run samples. About a quarter of the size. It can be sampled, tested
-and started from (--pretrained), not resumed."""
+place of the raw ones, so that it samples what the run samples; depth is decoded from the averaged encoder then. About a
+quarter of the size. It can be sampled, tested and started from (--pretrained), not resumed."""
 
 KEPT = ("skeleton", "epoch", "global_step", "pytorch-lightning_version")
 
@@ -62,11 +62,12 @@ def slimmed(checkpoint: Mapping[str, Any]) -> dict[str, Any]:
     weights = {name: value for name, value in state.items() if not name.startswith("averaged.")}
     weights |= {SAMPLER + name.removeprefix(AVERAGED): value for name, value in averages.items()}
     kept = {name: checkpoint[name] for name in KEPT if name in checkpoint}
-    return kept | {"state_dict": weights, "loops": {}, "callbacks": {}, "optimizer_states": [], "lr_schedulers": []}
+    return kept | {"state_dict": weights, "callbacks": {}, "optimizer_states": [], "lr_schedulers": []}
 
 
 def without_average(config: dict[str, Any], out: Path) -> dict[str, Any]:
-    """The config of a run that keeps no average and writes to a folder of its own."""
+    """The config of a run that keeps no average, goes on from nothing and writes to a folder of its own."""
+    config.pop("ckpt_path", None)
     options = config["model"].setdefault("init_args", {})
     if "average" in options:
         options["average"] = 0.0

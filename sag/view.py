@@ -11,6 +11,7 @@ from sag.errors import SagError
 from sag.files import write_whole, writing_in
 from sag.options import add_cache_dir
 from sag.references import BESIDE, add_reference
+from sag.shipped import beside, run_path
 from sag.sources import read_sources
 from sag.viewer import page, shown_window
 from sag.viewer.shown import MOST_MOTIONS
@@ -27,7 +28,7 @@ def parser() -> argparse.ArgumentParser:
         prog="sag view", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     made.add_argument(
-        "sources", type=Path, nargs="+", metavar="SOURCE",
+        "sources", type=run_path, nargs="+", metavar="SOURCE",
         help="folder of a trained run or of a sweep, or a .npz of motions as `sag predict` writes it",
     )  # fmt: skip
     which = made.add_mutually_exclusive_group()
@@ -72,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _out(path: Path | None, source: Path) -> Path:
-    path = path or (source / "view.html" if source.is_dir() else source.with_suffix(".html"))
+    path = path or (beside(source, "view.html") if source.is_dir() else source.with_suffix(".html"))
     if path.suffix != ".html" or path.is_dir():
         raise SagError(f"--out {path} must be a file that ends in .html")
     return path

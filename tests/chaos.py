@@ -152,7 +152,6 @@ def disturbed(sweep: TinySweep, signals: list[signal.Signals], chance: random.Ra
     counts["rows that went on"] = sum(
         path.read_text().count("training goes on from") for path in sweep.out.glob("*/log.txt")
     )
-    counts["signals left"] = len(signals)
     return counts
 
 

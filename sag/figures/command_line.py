@@ -20,6 +20,7 @@ from sag.film.samples import SHEET, sampled, stages_of, write_samples
 from sag.options import add_cache_dir
 from sag.report.plot import NO_METADATA, STYLE
 from sag.runs import Run, read_runs, run_places
+from sag.shipped import beside, run_path
 from sag.text import plain
 
 FORMATS = ("png", "svg", "pdf")
@@ -37,7 +38,9 @@ def parser() -> argparse.ArgumentParser:
         prog="sag figure", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     made.add_argument("kind", choices=("strips", "sheets", "speeds"))
-    made.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="folder of a trained run, or of a sweep")
+    made.add_argument(
+        "runs", type=run_path, nargs="+", metavar="RUN", help="folder of a trained run or of a sweep, or shipped"
+    )
     which = made.add_mutually_exclusive_group()
     which.add_argument(
         "--windows", type=int, metavar="N", help="scenes, evenly spread (default: 3 in strips, all in speeds)"
@@ -131,7 +134,8 @@ def _sheets(asked: argparse.Namespace) -> int:
     """Writes the contact sheet of every run into its folder."""
     for folder in [place for given in asked.runs for place in run_places(given)]:
         (run,) = read_runs([folder], asked.cache_dir)
-        with writing_in(folder, "it must be a folder that can be written"):
-            write_samples(folder / SHEET, run.method, run.data, asked.seed)
-        print(f"{run.name}: {plain(str(folder / SHEET))}")
+        path = beside(folder, SHEET)
+        with writing_in(path.parent, "it must be a folder that can be written"):
+            write_samples(path, run.method, run.data, asked.seed)
+        print(f"{run.name}: {plain(str(path))}")
     return 0

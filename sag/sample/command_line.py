@@ -22,7 +22,7 @@ from sag.runs import read_run
 from sag.sample.drawing import LEAST_FRAMES, drawn
 from sag.sample.photo import add_photo_options, check_photo_options, photo_source
 from sag.sample.source import WindowSource, window_source
-from sag.shipped import shipped_run
+from sag.shipped import FOLDER, run_path
 from sag.text import plain
 from sag.view import main as view
 from sag.viewer.shown import MOST_MOTIONS
@@ -42,7 +42,7 @@ def parser() -> argparse.ArgumentParser:
         prog="sag sample", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     made.add_argument(
-        "run", type=Path, nargs="?", metavar="RUN_OR_CHECKPOINT",
+        "run", type=run_path, nargs="?", default=FOLDER, metavar="RUN_OR_CHECKPOINT",
         help="folder of a trained run, or a .ckpt file in it (default: the run that ships with sag)",
     )  # fmt: skip
     made.add_argument("--samples", type=int, default=5, metavar="K", help="motions of each window (default: 5)")
@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     asked = parser().parse_args(arguments)
     _check(asked)
-    place = asked.run or shipped_run()
+    place = asked.run
     began = time.perf_counter()
     run = read_run(place, None if asked.image else asked.cache_dir)
     source = photo_source(run, place, asked) if asked.image else window_source(run, place, asked)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from sag.options import add_cache_dir
+from sag.shipped import run_path
 
 DESCRIPTION = """\
 The user study of the paper's Table 5: people score motions from 1 to 5 for how they fit the scene, and for how the
@@ -37,7 +38,7 @@ def _make(commands: argparse._SubParsersAction) -> None:
         "make", help="draw motions and make the page", description="Draws motions of runs and makes a study of them."
     )
     made.add_argument(
-        "sources", type=Path, nargs="*", metavar="RUN", default=[PAPER_RUNS],
+        "sources", type=run_path, nargs="*", metavar="RUN", default=[PAPER_RUNS],
         help="folder of a trained run, a .npz of motions, or the folder of a sweep, which stands for its rows none "
         f"(CSGN), md and mdpc as in the paper (default: {PAPER_RUNS})",
     )  # fmt: skip

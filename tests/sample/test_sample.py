@@ -117,11 +117,6 @@ def test_a_motion_takes_less_than_a_second(batch, toy):
     assert (time.process_time() - began) / 4 < 1
 
 
-def test_no_run_is_shipped_yet(folder, capsys):
-    assert main(["sample", *PHOTO]) == 2
-    assert "no trained run ships with this version; name one" in capsys.readouterr().err
-
-
 REFUSALS = {
     "start": (["--image", "room.png"], "--image needs --start X,Y"),
     "words": (["--image", "room.png", "--fov", "50", "--start", "here"], "--start here must be two numbers of pixels"),
