@@ -97,7 +97,7 @@ class Runner:
         going_on = goes_on(tracked.row.command, tracked.folder)
         place = f"--trainer.default_root_dir={tracked.folder}"
         command = (*tracked.row.command, *([GO_ON] if going_on else []), place)
-        share = (slot.whole() if tracked.row.alone else slot).environment()
+        share = slot.environment()
         environment = process.row_environment(self.name, tracked.row.name, share)
         tracked.process, tracked.slot = process.start(command, tracked.folder, environment, going_on), slot
         tracked.started(command, tracked.process.pid, slot.gpus)

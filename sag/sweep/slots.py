@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sag.errors import SagError
 from sag.sweep import process
@@ -29,10 +29,6 @@ class Slot:
         """What a row in this slot finds in its environment."""
         threads = {"OMP_NUM_THREADS": str(self.threads), "MKL_NUM_THREADS": str(self.threads)}
         return threads if self.gpus is None else {**threads, "CUDA_VISIBLE_DEVICES": self.gpus}
-
-    def whole(self) -> Slot:
-        """This slot with all cores, for a row that nothing runs beside."""
-        return replace(self, threads=process.cores())
 
 
 def slots(jobs: int | None = None, gpus_each: int | None = None) -> list[Slot]:

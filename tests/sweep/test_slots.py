@@ -57,7 +57,7 @@ def test_rows_at_the_same_time_have_different_gpus(workplace, monkeypatch):
     assert main(["sweep.yaml"]) == 0
     calls = {call["row"]: call["environment"] for call in workplace.calls()}
     assert {calls[row]["CUDA_VISIBLE_DEVICES"] for row in calls} == {"0", "1"}
-    assert calls["none"]["OMP_NUM_THREADS"] == "4" and calls["encoders"]["OMP_NUM_THREADS"] == "8"
+    assert {call["OMP_NUM_THREADS"] for call in calls.values()} == {"4"}
     spans = [workplace.status(row) for row in calls]
     for one in spans:
         for other in spans:

@@ -32,8 +32,7 @@ def test_threads_share_the_cores(workplace, monkeypatch):
     monkeypatch.setattr("sag.sweep.process.cores", lambda: 8)
     main(["sweep.yaml", "--jobs", "4"])
     threads = {call["row"]: call["environment"]["OMP_NUM_THREADS"] for call in workplace.calls()}
-    assert threads["mc"] == "2"
-    assert threads["encoders"] == "8", "nothing runs beside the encoders"
+    assert set(threads.values()) == {"2"}
 
 
 def test_finished_rows_are_not_run_again(workplace, capsys):
