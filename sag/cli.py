@@ -36,6 +36,10 @@ TRAINING = ("fit", "run", "validate", "test", "predict")
 """Subcommands of the Lightning command line; `run` is fit, then test."""
 
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C."""
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; errors a user can mend are one sentence and a status that is not 0, see `sag.errors`."""
     arguments = sys.argv[1:] if arguments is None else arguments
@@ -45,6 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
         return _dispatch(arguments)
     except SagError as error:
         return _refused(error)
+    except KeyboardInterrupt:
+        print("sag: interrupted", file=sys.stderr)
+        return INTERRUPTED
     except OSError as error:
         if error.errno not in FULL:
             raise

@@ -203,3 +203,12 @@ def test_missing_encoders_are_said_before_training(
 )
 def test_plain_messages_stay(message: str, wanted: str) -> None:
     assert one_sentence(message) == wanted
+
+
+def test_control_c_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    def interrupted(arguments: list[str]) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sag.cli._tool", lambda name: interrupted)
+    assert main(["view", "runs/a"]) == 130
+    assert capsys.readouterr().err == "sag: interrupted\n"

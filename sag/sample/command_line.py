@@ -86,7 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with writing_in(asked.output, "give another folder by --output"):
         write_motions(path, MotionFile(path, motions, source.index, source.fps, run.method.skeleton.name))
         _write_reference(asked.output / BESIDE[0], source.reference)
-    each = f"{seconds / count:.2f} s each" if count > 1 else f"{seconds:.2f} s"
+    each = f"drawn in {seconds / count:.2f} s each" if count > 1 else f"drawn in {seconds:.2f} s"
     print(f"{count} motion{'s' * (count > 1)} of {asked.frames} frames, {each}, are in {plain(str(path))}")
     _make(path, source, asked)
     return 0

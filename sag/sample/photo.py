@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -20,6 +21,9 @@ from sag.sample.source import WindowSource
 
 DISTANCE = 4.0
 """Metres from the camera at which a person starts where nothing tells: the median of the synthetic rooms."""
+
+USUAL = 2.0
+"""Deviations from the mean within which nearly all people of a training set start."""
 
 FRAME_RATE = 30.0
 """Frames a second that a run was trained at, where its folder does not tell: that of every data set built in."""
@@ -102,6 +106,7 @@ def photo_source(run: Run, place: Path, asked: argparse.Namespace) -> WindowSour
         f"{photo.path.name}, {photo.size[1]} x {photo.size[0]} pixels, {photo.fov(camera):.0f}° from bottom to top "
         f"({'its EXIF' if asked.fov is None else 'as told'}), camera looking down by {asked.pitch or 0:g}°\n"
         f"the person starts {distance:.1f} m away: {_scale(asked.distance, depth)}"
+        f"{_cautions(run, batch.motion.joints[0, 0], camera, photo.size)}"
     )
     return WindowSource(data, _reference(folder, data), [batch], about, depth is not None)
 
@@ -143,6 +148,22 @@ def _scale(told: float | None, depth: Tensor | None) -> str:
     if depth is None:
         return "assumed, since this run has no depth decoder; give --distance, on which the scale of all depends"
     return "the depth decoder's guess, on which the scale of all depends; give --distance if you know better"
+
+
+def _cautions(run: Run, joints: Float[Tensor, "j 3"], camera: Float[np.ndarray, "3 3"], size: tuple[int, int]) -> str:
+    """Lines on what is unlike anything that the run was trained on, or outside of the picture."""
+    skeleton, said = run.method.skeleton, []
+    scale = getattr(getattr(run.method, "sampler", None), "scale", None)
+    if scale is not None and scale.units == "zscore":
+        mean, deviation = (float(each[skeleton.root_index, 2]) for each in (scale.initial_mean, scale.initial_std))
+        low, high = max(0.0, mean - USUAL * deviation), mean + USUAL * deviation
+        if not low <= float(joints[skeleton.root_index, 2]) <= high:
+            said.append(f"people it was trained on start {low:.1f} to {high:.1f} m away; give --distance")
+    feet = joints[skeleton.feet].double().numpy()
+    pixels = feet[:, :2] / feet[:, 2:] * camera[[0, 1], [0, 1]] + camera[:2, 2]
+    if (pixels < 0).any() or (pixels > [size[1], size[0]]).any():
+        said.append("the feet are outside of the picture; a larger --distance or another --start brings them in")
+    return "".join(f"\ncaution: {line}" for line in said)
 
 
 def _frame_rate(place: Path) -> float:

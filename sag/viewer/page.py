@@ -81,6 +81,7 @@ def window_content(window: ShownWindow, cells: int) -> dict[str, Any]:
         "camera": _camera(window.intrinsics),
         "up": [float(value) for value in window.up],
         "floor": float(window.floor),
+        "guessed": window.guessed,
         "scene": None if window.scene is None else _scene(window, window.scene, cells),
         "truth": None if window.truth is None else _motion(window.truth),
         "rows": [{"name": row.name, "motions": [_motion(motion) for motion in row.motions]} for row in window.rows],

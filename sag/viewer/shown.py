@@ -75,6 +75,7 @@ class ShownWindow:
         scene: surfaces, where there is depth.
         up: direction against gravity, camera frame.
         floor: level of the floor under the start, metres along `up` from the camera.
+        guessed: whether the depth is a guess made from the picture, and was not measured.
     """
 
     name: str
@@ -86,6 +87,7 @@ class ShownWindow:
     scene: ShownScene | None = None
     up: tuple[float, float, float] = (0.0, -1.0, 0.0)
     floor: float = -1.5
+    guessed: bool = False
 
     @property
     def motions(self) -> list[tuple[str, ShownMotion]]:

@@ -55,6 +55,7 @@ def shown_window(
         scene=_scene(batch),
         up=tuple(pose[:3, 2].tolist()),
         floor=level + float(pose[:3, 2] @ pose[:3, 3]),
+        guessed=not data.recorded,
     )
 
 

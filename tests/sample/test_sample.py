@@ -54,6 +54,15 @@ def test_a_photograph_becomes_motions_that_start_at_the_pixel(folder, capsys):
     assert (data.cache.depth > 0).any()
 
 
+def test_what_is_unlike_the_training_is_told(folder, toy, capsys):
+    sample("md", *PHOTO, "--samples", "1", "--distance", "25")
+    far = capsys.readouterr().out
+    sample("md", "--image", "room.png", "--start", "110,119", "--fov", "50", "--samples", "1", "--distance", "2")
+    near = capsys.readouterr().out
+    assert "caution: people it was trained on start" in far and "caution: the feet" not in far
+    assert "caution: the feet are outside of the picture" in near
+
+
 def test_the_decoder_tells_the_distance_and_without_one_it_is_assumed(folder, capsys):
     found = {run: sample(run, *PHOTO, "--samples", "1")[0, 0, 0, GTA_IM_19.root_index, 2] for run in ("md", "m")}
     said = capsys.readouterr().out

@@ -2,6 +2,7 @@
 
 import io
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -176,6 +177,19 @@ def test_rows_and_windows_are_switched(tab):
         choose = "(s => { s.value = 0; s.dispatchEvent(new Event('change')); })"
         tab.value(f"{choose}(document.getElementById('{name}'))")
     assert tab.value("[sagViewer.state.window, sagViewer.state.row]") == [0, 0]
+
+
+def test_a_guess_of_the_depth_is_told_and_seen_from_the_camera(tabs, folder):
+    path = folder / "guessed.html"
+    path.write_text(page([replace(window("photo 0"), guessed=True)], GTA_IM_19, 30))
+    show(tabs, path)
+    assert "All surfaces are a guess" in tabs.value("document.getElementById('legend').textContent")
+    assert tabs.value("sagViewer.state.touches") is False
+    eye = tabs.value("[sagViewer.orbit.azimuth, sagViewer.orbit.elevation]")
+    tabs.press("0")
+    assert tabs.value("[sagViewer.orbit.azimuth, sagViewer.orbit.elevation]") == eye
+    tabs.press("r")
+    assert tabs.value("[sagViewer.orbit.azimuth, sagViewer.orbit.elevation]") != eye
 
 
 def test_points_light_up_as_the_metric_counts_them(tab):

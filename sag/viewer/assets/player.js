@@ -64,11 +64,20 @@ class Player extends Stage {
     if (this.state.shown.length) this.state.shown[this.motions.length] = truth;
     this.chooseRow(this.state.row);
     this.showWindow(this.view, this.listed);
+    if (this.view.guessed) this.lookAsThePictureDoes();
     this.legend();
   }
 
+  // What a network takes the place to be holds best where the picture was taken, and no figure rests on it.
+  lookAsThePictureDoes() {
+    this.state.touches = false;
+    this.look('toTheCamera');
+  }
+
   legend() {
-    const scene = this.view.scene ? 'Hatched surfaces were behind the person and are a guess. ' : '';
+    const guess = this.view.guessed ? 'All surfaces are a guess of the depth in this picture, made from it alone. '
+      : 'Hatched surfaces were behind the person and are a guess. ';
+    const scene = this.view.scene ? guess : '';
     byId('legend').textContent = `${scene}Bodies are as thick as people are; collisions are of bones of ` +
       `${Math.round(1000 * content.touch)} mm.`;
   }
