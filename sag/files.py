@@ -9,6 +9,7 @@ import json
 import math
 import os
 import platform
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -55,11 +56,30 @@ def _partial(path: Path) -> Path:
 
 
 def _remove_strays(path: Path) -> None:
-    """Removes partial files of processes of this machine that are gone."""
+    """Removes partial files and folders of processes of this machine that are gone."""
     own = _partial(path).stem
     for stray in path.parent.glob(f"{glob.escape(own)}.*"):
         if stray.suffix[1:].isdecimal() and not _alive(int(stray.suffix[1:])):
-            stray.unlink(missing_ok=True)
+            shutil.rmtree(stray, ignore_errors=True) if stray.is_dir() else stray.unlink(missing_ok=True)
+
+
+@contextmanager
+def scratch_folder(path: Path) -> Iterator[Path]:
+    """A folder beside a path for what is needed while that is made; gone afterwards.
+
+    Those that killed processes of this machine have left for the same path are removed.
+
+    Args:
+        path: what is made; the folder around it is made too.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _remove_strays(path)
+    scratch = _partial(path)
+    scratch.mkdir()
+    try:
+        yield scratch
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _alive(pid: int) -> bool:

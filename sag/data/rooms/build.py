@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from functools import partial
@@ -22,6 +21,7 @@ from sag.data.rooms.recipe import CLOUD_SIZE, Recipe
 from sag.data.rooms.windows import Row, windows
 from sag.data.workers import shared_out
 from sag.errors import SagError
+from sag.files import scratch_folder
 from sag.skeleton import GTA_IM_19
 
 CONTACT_FILE = "contact.npy"
@@ -41,14 +41,13 @@ def build_rooms(folder: Path, recipe: Recipe, workers: int = 2) -> WindowCache:
     Raises:
         SagError: the disk has no room.
     """
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="rooms.building-", dir=folder.parent) as scratch:
+    with scratch_folder(folder) as scratch:
         dropped: Counter[str] = Counter()
         extra: dict[str, bytes] = {}
-        for number, (geometry, lost) in enumerate(_filmed(recipe, Path(scratch), workers)):
+        for number, (geometry, lost) in enumerate(_filmed(recipe, scratch, workers)):
             extra[geometry_file(number)] = geometry
             dropped += lost
-        arrays = {name: _gathered(Path(scratch), name, recipe) for name in (*ARRAYS, "contact")}
+        arrays = {name: _gathered(scratch, name, recipe) for name in (*ARRAYS, "contact")}
         extra[CONTACT_FILE] = _npy(arrays.pop("contact"))
         return write_cache(folder, arrays, _index(recipe, arrays["split"], dropped), extra)
 
