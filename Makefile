@@ -72,19 +72,13 @@ figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far
 	@$(call sweep,figure7)
 	$(BIN)/sag figure7 $(call folder,figure7) --out $(call folder,figure7)
 
-# Trained in many rooms, tested in those of all tables.
-standard = --config configs/base.yaml --config configs/presets/standard.yaml
 .PHONY: standard
-standard: install ## Motion to look at: the run that ships and its blind twin, for an hour or two; the same command goes on.
-	$(BIN)/sag fit $(standard) --config configs/data/rooms.yaml --config configs/methods/erd.yaml --model.init_args.retrain false
-	@for row in ablations/mdpc methods/blind ; do \
-		folder=$(RUNS)/standard/$$(basename $$row) ; \
-		$(BIN)/sag fit $(standard) --config configs/data/many_rooms.yaml --config configs/$$row.yaml \
-			--trainer.default_root_dir $$folder --ckpt_path last $(EXTRA) && \
-		$(BIN)/sag test --config $$folder/config.fit.yaml --config configs/data/rooms.yaml \
-			--ckpt_path $$folder/checkpoints/last.ckpt || exit $$? ; done
-	$(BIN)/sag test $(standard) --config configs/data/rooms.yaml --config configs/methods/ground_truth.yaml \
-		--trainer.default_root_dir $(RUNS)/standard/ground_truth
+standard: install ## Motion to look at: the run that ships, its blind twin, and the same in many rooms; two hours.
+	$(BIN)/sag sweep sweeps/standard.yaml --jobs $(JOBS) --out $(RUNS)/standard
+	$(BIN)/sag fit --config configs/base.yaml --config configs/presets/standard.yaml --config configs/data/many_rooms.yaml \
+		--trainer.default_root_dir $(RUNS)/standard/mdpc_many_rooms --ckpt_path last
+	$(BIN)/sag test --config $(RUNS)/standard/mdpc_many_rooms/config.fit.yaml --config configs/data/rooms.yaml \
+		--ckpt_path $(RUNS)/standard/mdpc_many_rooms/checkpoints/last.ckpt
 	$(BIN)/sag report $(RUNS)/standard
 
 .PHONY: recipe

@@ -30,10 +30,6 @@ def parser() -> argparse.ArgumentParser:
     )
     made.add_argument("run", type=Path, metavar="RUN", help="folder of a trained run, such as runs/ablation/mdpc")
     made.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the small run")
-    made.add_argument(
-        "--data", type=Path, metavar="FILE.yaml",
-        help="config of the data that it is to be tested and shown on, where it was trained on other",
-    )  # fmt: skip
     return made
 
 
@@ -50,21 +46,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise SagError(f"{path} is there already; name another --out, or remove it")
     if not (folder / CONFIG).is_file():
         raise SagError(f"{folder} holds no run: it has no {CONFIG}")
-    config = OmegaConf.to_yaml(_with_data(without_average(read_yaml(folder / CONFIG), asked.out), asked.data))
+    config = OmegaConf.to_yaml(OmegaConf.create(without_average(read_yaml(folder / CONFIG), asked.out)))
     checkpoint = WholeCheckpoints().load_checkpoint(folder / FOLDER / LAST)
     path.parent.mkdir(parents=True, exist_ok=True)
     WholeCheckpoints().save_checkpoint(slimmed(checkpoint), path)
     write_whole(asked.out / CONFIG, lambda file: file.write(config.encode()))
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {(folder / FOLDER / LAST).stat().st_size / 1e6:.1f} MB before")
     return 0
-
-
-def _with_data(config: dict[str, Any], path: Path | None) -> Any:
-    """The config with the data of another laid over its own."""
-    data = {} if path is None else read_yaml(path)
-    if path is not None and not isinstance(data.get("data"), dict):
-        raise SagError(f"--data {path} has no data: give a config such as configs/data/rooms.yaml")
-    return OmegaConf.merge(config, {"data": data["data"]} if data else {})
 
 
 def slimmed(checkpoint: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from toy_runs import toy_run
 
 from sag.checkpoints import WholeCheckpoints
 from sag.errors import SagError
-from sag.files import read_yaml
 from sag.runs import read_run
 from sag.slim import main, slimmed
 
@@ -49,18 +48,6 @@ def test_a_small_run_samples_what_the_run_samples(average: float, toy, tmp_path:
     assert not small["optimizer_states"]
     with pytest.raises(SagError, match="is there already"):
         main([str(trained_run), "--out", str(tmp_path / "small")])
-
-
-def test_it_may_be_shown_on_other_data(toy, tmp_path: Path):
-    trained_run = toy_run(tmp_path / "run", toy)
-    (tmp_path / "data.yaml").write_text("data: {init_args: {seed: 7}}")
-    assert main([str(trained_run), "--out", str(tmp_path / "small"), "--data", str(tmp_path / "data.yaml")]) == 0
-    config = read_yaml(tmp_path / "small/config.fit.yaml")
-    assert config["data"]["init_args"] == {"cache_dir": str(toy.cache_dir), "seed": 7}
-    (tmp_path / "data.yaml").write_text("model: {}")
-    with pytest.raises(SagError, match="has no data"):
-        main([str(trained_run), "--out", str(tmp_path / "other"), "--data", str(tmp_path / "data.yaml")])
-    assert not (tmp_path / "other").exists()
 
 
 def test_a_folder_without_a_run_is_refused(tmp_path: Path):
