@@ -70,7 +70,7 @@ def command(folder: Path, *arguments: str) -> None:
 
 @pytest.mark.slow
 def test_its_figures_come_out_again(tmp_path: Path):
-    """On rooms built here, which another processor rounds otherwise; the encoders of Motion FID are trained here too."""
+    """On rooms built here, which another processor rounds otherwise; Motion FID's encoders are trained here too."""
     command(tmp_path, "fit", *(f"--config={ROOT / 'configs' / name}.yaml" for name in CONFIGS))
     options = [f"--config={FOLDER / 'config.fit.yaml'}", f"--ckpt_path={FOLDER / CHECKPOINT}"]
     command(tmp_path, "test", *options, f"--trainer.default_root_dir={tmp_path / 'again'}")

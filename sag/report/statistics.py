@@ -131,7 +131,7 @@ def contrasts(design: Numbers, values: Numbers, wanted: Numbers) -> Contrasts:
     variance = float(np.square(values - design @ coefficients).sum()) / freedom
     errors = np.sqrt(np.einsum("ij,jk,ik->i", wanted, inverse, wanted).clip(min=0) * variance)
     halves = (errors * stats.t.ppf((1 + LEVEL) / 2, freedom)).tolist()
-    return Contrasts(tuple(Estimate(e, e - half, e + half) for e, half in zip(estimates, halves)), freedom)
+    return Contrasts(tuple(_estimate(e, half) for e, half in zip(estimates, halves)), freedom)
 
 
 def kendall(ours: Sequence[float], theirs: Sequence[float]) -> tuple[float, float]:
@@ -160,3 +160,8 @@ def bootstrap_kendalls(values: Numbers, theirs: Numbers, draws: int = DRAWS) -> 
     values = values[np.lexsort(values.T)]
     chosen = np.random.default_rng(0).integers(len(values), size=(draws, len(values)))
     return kendalls(values[chosen].mean(1), theirs)
+
+
+def _estimate(value: float, half: float) -> Estimate:
+    """To nine digits: what is beyond is a machine's rounding, and would make other files of the same figures."""
+    return Estimate(*(float(f"{number:.9g}") for number in (value, value - half, value + half)))

@@ -131,3 +131,12 @@ def test_resampled_taus_do_not_depend_on_the_order_of_seeds():
     assert np.array_equal(taus, bootstrap_kendalls(values[[3, 1, 4, 0, 2]], theirs, 500))
     alike = bootstrap_kendalls(np.tile(theirs, (4, 1)), theirs, 50)
     assert alike == pytest.approx(1.0)
+
+
+def test_contrasts_are_the_same_on_machines_that_round_otherwise():
+    chance = np.random.default_rng(0)
+    values, design = chance.normal(size=12), np.c_[np.ones(12), np.tile([0.0, 1.0], 6)]
+    wanted = np.array([[0.0, 1.0]])
+    rounded = values * (1 + 1e-14 * chance.normal(size=12))
+    assert not np.array_equal(values, rounded)
+    assert contrasts(design, values, wanted) == contrasts(design, rounded, wanted)
