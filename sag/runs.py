@@ -115,6 +115,8 @@ def run_folder(place: Path) -> Path:
 
 def run_places(folder: Path) -> list[Path]:
     """The folder itself, or the finished rows in it: those with figures and a checkpoint."""
+    if not folder.exists():
+        raise SagError(f"{folder} does not exist; name the folder of a trained run or of a sweep")
     if (folder / CONFIG).is_file():
         return [folder]
     rows = sorted(path.parent for path in folder.glob("*/metrics.json"))

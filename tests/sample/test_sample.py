@@ -127,6 +127,7 @@ def test_a_motion_takes_less_than_a_second(batch, toy):
 
 
 REFUSALS = {
+    "nowhere": (["--image", "nothere.png", "--fov", "50", "--start", "1,2"], "nothere.png does not exist"),
     "start": (["--image", "room.png"], "--image needs --start X,Y"),
     "words": (["--image", "room.png", "--fov", "50", "--start", "here"], "--start here must be two numbers of pixels"),
     "outside": (["--image", "room.png", "--fov", "50", "--start", "300,20"], "which has 200 x 120 pixels"),

@@ -80,6 +80,8 @@ def read_photograph(path: Path) -> Photograph:
     Raises:
         SagError: the file is missing, too large, damaged or in another format.
     """
+    if not path.exists():
+        raise SagError(f"{path} does not exist; give the picture's path")
     content = read_file(path, FILE_LIMIT)
     try:
         picture = Image.open(io.BytesIO(content), formats=FORMATS)
