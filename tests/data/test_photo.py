@@ -66,7 +66,7 @@ def test_refuses_what_is_no_photograph(tmp_path):
     (tmp_path / "a.jpg").write_bytes(b"no picture")
     whole = written(tmp_path / "b.jpg").read_bytes()
     (tmp_path / "c.jpg").write_bytes(whole[: len(whole) // 2])
-    for name, said in (("a.jpg", "is no JPEG, PNG or WEBP"), ("c.jpg", "is damaged"), ("d.jpg", "missing")):
+    for name, said in (("a.jpg", "is no JPEG, PNG or WEBP"), ("c.jpg", "is damaged"), ("d.jpg", "does not exist")):
         with pytest.raises(SagError, match=said):
             read_photograph(tmp_path / name)
     with pytest.raises(SagError, match="--fov is 200"):
