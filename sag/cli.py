@@ -8,7 +8,7 @@ import io
 import sys
 from collections.abc import Callable
 
-from sag.errors import OutOfSpace, SagError
+from sag.errors import INTERRUPTED, OutOfSpace, SagError
 from sag.files import FULL
 from sag.text import plain
 
@@ -34,10 +34,6 @@ PLACES = {"data": "data.command", "doctor": "doctor.command_line", "figure": "fi
 
 TRAINING = ("fit", "run", "validate", "test", "predict")
 """Subcommands of the Lightning command line; `run` is fit, then test."""
-
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C."""
 
 
 def main(arguments: list[str] | None = None) -> int:

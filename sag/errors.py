@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import signal
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells have it."""
+
 
 class SagError(Exception):
     """A mistake in the input, said in one sentence that names the file, field or flag and the way out.

@@ -15,6 +15,7 @@ from sag.data.base import Windows
 from sag.data.photo import PhotoDataModule, Place, read_photograph, read_pose, standing_pose, write_photo
 from sag.data.photo.place import FACINGS, FARTHEST, NEAREST
 from sag.errors import SagError
+from sag.geometry.camera import project
 from sag.report.results import read_json
 from sag.runs import Run, run_folder
 from sag.sample.source import WindowSource
@@ -159,9 +160,8 @@ def _cautions(run: Run, joints: Float[Tensor, "j 3"], camera: Float[np.ndarray, 
         low, high = max(0.0, mean - USUAL * deviation), mean + USUAL * deviation
         if not low <= float(joints[skeleton.root_index, 2]) <= high:
             said.append(f"people it was trained on start {low:.1f} to {high:.1f} m away; give --distance")
-    feet = joints[skeleton.feet].double().numpy()
-    pixels = feet[:, :2] / feet[:, 2:] * camera[[0, 1], [0, 1]] + camera[:2, 2]
-    if (pixels < 0).any() or (pixels > [size[1], size[0]]).any():
+    pixels = project(joints[None, skeleton.feet].double(), torch.from_numpy(camera)[None])
+    if (pixels < 0).any() or (pixels > torch.tensor([size[1], size[0]])).any():
         said.append("the feet are outside of the picture; a larger --distance or another --start brings them in")
     return "".join(f"\ncaution: {line}" for line in said)
 

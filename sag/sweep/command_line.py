@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from sag.errors import SagError
+from sag.errors import INTERRUPTED, SagError
 from sag.sweep.arguments import check, parser, sbatch_flags
 from sag.sweep.closing import close, say
 from sag.sweep.command import Additions
@@ -30,9 +30,6 @@ from sag.sweep.slurm_queue import ENDING, Queue, Submission
 from sag.sweep.status import locked, read_status
 from sag.sweep.tracked import Tracked, track
 from sag.sweep.trials import Trial, drawn, recorded
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it."""
 
 
 @dataclass(frozen=True)
