@@ -17,8 +17,10 @@ from sag.models.critic_networks import (
     BLOCKS,
     CONTEXT_BLOCKS,
     ContextCriticNetwork,
+    CriticCondition,
     GraphCriticNetwork,
     TrajectoryCriticNetwork,
+    condition_gain,
 )
 from sag.models.critics import (
     CROP_EVERY,
@@ -72,6 +74,7 @@ class Network:
     Attributes:
         width: factor on all channels.
         critic_norm: norm in the critics.
+        critic_condition: whether f stands beside what a critic judges as it is, as in the paper, or balanced with it.
         kernel: of the Gaussian-process noise.
         units: what the networks reckon in.
         bones: whether a pose's joints are free, as in the paper, or its bones kept at their lengths in frame 0.
@@ -86,6 +89,7 @@ class Network:
 
     width: float = 1.0
     critic_norm: Norm = "batch"
+    critic_condition: CriticCondition = "plain"
     kernel: Kernel = "exponential"
     units: Units = "zscore"
     bones: Bones = "free"
@@ -147,16 +151,21 @@ def build_critics(
 
     initial_pose = 3 * len(skeleton.joints)
 
-    def graph(channels: int) -> GraphCriticNetwork:
-        return GraphCriticNetwork(channels + feature, skeleton, norm, blocks)
+    def gain(judged: int, condition: int) -> float:
+        return condition_gain(network.critic_condition, judged, condition)
+
+    def graph(judged: int, further: int = 0) -> GraphCriticNetwork:
+        condition = feature + further
+        return GraphCriticNetwork(judged + condition, skeleton, norm, blocks, gain(judged, condition))
 
     critics: dict[str, Critic] = {}
     if components.separate:
-        judge = TrajectoryCriticNetwork(3 + feature + initial_pose, norm, blocks)
+        condition = feature + initial_pose
+        judge = TrajectoryCriticNetwork(3 + condition, norm, blocks, gain(3, condition))
         critics["trajectory"] = TrajectoryCritic(judge, scale)
         critics["pose"] = PoseCritic(graph(6), scale)
     else:
-        critics["motion"] = MotionCritic(graph(3 + initial_pose), scale)
+        critics["motion"] = MotionCritic(graph(3, initial_pose), scale)
     if components.projection:
         critics["projection"] = ProjectionCritic(graph(2), scale)
     if components.context:

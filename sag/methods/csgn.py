@@ -26,7 +26,7 @@ class CSGN(WGAN):
     penalty, preset norms, rates and averages.
 
     Args:
-        network: sizes of the networks; the critic's norm is not looked at.
+        network: sizes of the networks; the critic's norm and condition are not looked at.
         skeleton: name of the skeleton; the command line takes it from the data.
         evaluation: the protocol of testing.
         recipe: how it is trained.
@@ -40,7 +40,7 @@ class CSGN(WGAN):
         recipe: Recipe = Recipe(2e-4, (0.5, 0.999), critic_steps=5),  # noqa: B008 (frozen)
     ) -> None:
         joint = Components(separate=False, depth=False, projection=False, context=False)
-        network = replace(network, critic_norm="none")
+        network = replace(network, critic_norm="none", critic_condition="plain")
         body = skeleton_named(skeleton)
         scale = MotionScale(len(body.joints), body.root_index, network.units)
         sampler = Sampler(build_encoder(network), build_generator(joint, network, body, scale), scale)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
@@ -21,6 +23,24 @@ BLOCKS = (64, 64, 128, 256, 512)
 CONTEXT_BLOCKS = (64, 128, 256, 512)
 """Channels after each convolution of the context critic in the paper."""
 
+CriticCondition = Literal["plain", "balanced"]
+"""How a condition stands beside what a critic judges: as it is, or weakened so that neither drowns the other."""
+
+
+def condition_gain(kind: CriticCondition, judged: int, condition: int) -> float:
+    """Factor on a condition.
+
+    In the paper 256 numbers of f stand beside 2 or 6 of a joint. With all of one size, nine tenths and more of what the
+    first convolution sums up is f then, the same for real and generated motion, and the norm behind it leaves little of
+    the motion. Balanced, both have the same share of that sum's variance at the start of training.
+
+    Args:
+        kind: `plain` leaves the condition as it is.
+        judged: channels of what is judged.
+        condition: channels of the condition.
+    """
+    return (judged / condition) ** 0.5 if kind == "balanced" else 1.0
+
 
 class GraphCriticNetwork(nn.Module):
     """Tables 8 and 11: graph convolutions from joints to body, pooled over what time is left.
@@ -30,10 +50,14 @@ class GraphCriticNetwork(nn.Module):
         skeleton: whose levels the graph climbs up.
         norm: kind of norm.
         blocks: channels after each block.
+        gain: factor on the condition, see `condition_gain`.
     """
 
-    def __init__(self, in_channels: int, skeleton: Skeleton, norm: Norm, blocks: tuple[int, ...] = BLOCKS) -> None:
+    def __init__(
+        self, in_channels: int, skeleton: Skeleton, norm: Norm, blocks: tuple[int, ...] = BLOCKS, gain: float = 1.0
+    ) -> None:
         super().__init__()
+        self.gain = gain
         levels = [skeleton.levels[i] for i in LEVELS]
         channels = (in_channels, *blocks)
         strides, paddings = (1, 2, 2, 2, 2), (1, 0, 1, 1, 1)  # 65 -> 65 -> 32 -> 16 -> 8 -> 4 frames
@@ -46,7 +70,7 @@ class GraphCriticNetwork(nn.Module):
 
     def forward(self, x: Float[Tensor, "b j c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
         """Scores, higher for what looks real; the condition stands beside every joint and frame."""
-        x = self.blocks[0](x, condition)
+        x = self.blocks[0](x, self.gain * condition)
         for block in self.blocks[1:]:
             x = block(x)
         return self.score(self.out(F.leaky_relu(x[:, 0], SLOPE)))[:, 0]
@@ -59,10 +83,12 @@ class TrajectoryCriticNetwork(nn.Module):
         in_channels: 316 in the paper.
         norm: kind of norm.
         blocks: channels after each block.
+        gain: factor on the condition, see `condition_gain`.
     """
 
-    def __init__(self, in_channels: int, norm: Norm, blocks: tuple[int, ...] = BLOCKS) -> None:
+    def __init__(self, in_channels: int, norm: Norm, blocks: tuple[int, ...] = BLOCKS, gain: float = 1.0) -> None:
         super().__init__()
+        self.gain = gain
         channels = (in_channels, *blocks)
         self.blocks = nn.ModuleList(
             TemporalBlock(
@@ -77,7 +103,7 @@ class TrajectoryCriticNetwork(nn.Module):
 
     def forward(self, x: Float[Tensor, "b c t"], condition: Float[Tensor, "b d"]) -> Float[Tensor, " b"]:
         """Scores, higher for what looks real; the condition stands beside every frame."""
-        x = self.blocks[0](x, condition)
+        x = self.blocks[0](x, self.gain * condition)
         for block in self.blocks[1:]:
             x = block(x)
         return self.score(self.out(F.leaky_relu(x, SLOPE)))[:, 0]

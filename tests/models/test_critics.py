@@ -136,3 +136,40 @@ def test_scores_do_not_explode_at_the_start(batch: Batch, scale: MotionScale) ->
     scores = judge(judge.view(batch.motion, seen(batch)), condition(4))
     assert math.isfinite(scores.sum().item())
     assert scores.abs().max() < 10
+
+
+@pytest.mark.parametrize("name", ["trajectory", "pose", "projection", "motion"])
+@pytest.mark.parametrize("kind", ["plain", "balanced"])
+def test_a_balanced_condition_has_half_of_what_a_critic_hears(name: str, kind: str, scale: MotionScale) -> None:
+    torch.manual_seed(0)
+    components = NONE if name == "motion" else ALL
+    shares = []
+    for _ in range(5):
+        judge = critic(name, scale, components, critic_condition=kind)
+        views = torch.randn(200, 3, 64) if name == "trajectory" else torch.randn(200, 19, _judged(name), 65)
+        told = condition(200)
+        heard = [_first_sum(judge, name, x, c) for x, c in ((views, _silent(told)), (_silent(views), told))]
+        motion, scene = (x.var(dim=0).mean() for x in heard)
+        shares.append(float(scene / (motion + scene)))
+    share = sum(shares) / len(shares)
+    assert 0.4 < share < 0.6 if kind == "balanced" else share > 0.8
+
+
+def _judged(name: str) -> int:
+    return {"pose": 6, "projection": 2, "motion": 3}[name]
+
+
+def _silent(x):
+    return x._map(torch.zeros_like) if isinstance(x, Condition) else torch.zeros_like(x)
+
+
+def _first_sum(judge, name: str, view: torch.Tensor, told: Condition) -> torch.Tensor:
+    """What the first convolution makes of a view and a condition, before its norm and away from the ends of time."""
+    block = judge.network.blocks[0]
+    caught: list[torch.Tensor] = []
+    conv = block[1] if name == "trajectory" else block.conv
+    hook = conv.register_forward_hook(lambda module, given, made: caught.append(made))
+    with torch.no_grad():
+        judge(view, told)
+    hook.remove()
+    return caught[0][..., 1:-1]
