@@ -19,6 +19,7 @@ TOOLS = {
     "report": "lays finished rows side by side",
     "doctor": "says whether this machine is ready, and what to do where it is not",
     "figure7": "the paper's Figure 7: how far trajectories to one end point part on the way",
+    "critics": "what the critics of trained runs listen to, and how hard each pulls",
     "sample": "motions from your own photograph or a window, as files and films",
     "figure": "strips of poses over runs (the paper's Figures 1, 4, 8), contact sheets, how fast people move",
     "slim": "a trained run as small as it can be handed on",

@@ -26,7 +26,7 @@ from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
 from sag.scoring import Evaluation
 from sag.skeleton import skeleton_named
-from sag.types import Batch, Condition, DepthMap, Motion
+from sag.types import Batch, Condition, DepthMap, Motion, Scene
 
 
 class SAG(WGAN):
@@ -117,6 +117,10 @@ class SAG(WGAN):
         super()._train_generator(fake, condition, scene, losses)
         for averaged in self._averages():
             averaged.update_parameters(self.sampler)
+
+    def seen(self, condition: Condition, scene: Scene) -> DepthMap:
+        """The data's own, or the decoder's, as `network.context_depth` has it."""
+        return self.depth(condition.feature, scene)[0]
 
     def _averages(self) -> list[Any]:
         """The averaged sampler, if there is one."""

@@ -17,7 +17,7 @@ from sag.models.critics import Critic
 from sag.models.sampler import Sampler
 from sag.processes import drawn
 from sag.scoring import Evaluation
-from sag.types import Batch, Condition, DepthMap, Motion
+from sag.types import Batch, Condition, DepthMap, Motion, Scene
 
 
 @dataclass(frozen=True)
@@ -107,6 +107,10 @@ class WGAN(Method):
         parameters = itertools.chain.from_iterable(m.parameters() for m in modules)
         return torch.optim.Adam(parameters, self.recipe.learning_rate, self.recipe.betas)
 
+    def seen(self, condition: Condition, scene: Scene) -> DepthMap:
+        """The depth in which critics see motions: the data's own."""
+        return DepthMap(scene.depth, scene.intrinsics)
+
     def generate(self, condition: Condition, given: Motion) -> tuple[Motion, dict[str, Tensor]]:
         """Motions to train on, and what the generator pays for them besides its critics' scores, by name."""
         generator = self.sampler.generator
@@ -114,9 +118,9 @@ class WGAN(Method):
 
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """The critics' steps on a batch and one set of motions, then the generator's steps on the same batch."""
-        scene = DepthMap(batch.scene.depth, batch.scene.intrinsics)
         with torch.no_grad():
             condition = self.sampler.condition(batch.scene, batch.motion)
+            scene = self.seen(condition, batch.scene)
             fake, _ = self.generate(condition, batch.motion)
         for _ in range(self.recipe.critic_steps):
             self._train_critics(batch.motion, fake, condition, scene)
