@@ -12,6 +12,7 @@ import torch
 from jaxtyping import Float
 from torch import Generator, Tensor, nn
 
+from sag.errors import SagError
 from sag.models.generators import MotionGenerator
 from sag.skeleton import Skeleton
 from sag.types import FRAMES, Condition, Motion
@@ -53,12 +54,17 @@ class Smooth(nn.Module):
 
     Args:
         reach: frames to either side.
+
+    Raises:
+        SagError: there are fewer than none, or as many as a motion has.
     """
 
     weights: Tensor
 
     def __init__(self, reach: int) -> None:
         super().__init__()
+        if not 0 <= reach < FRAMES:
+            raise SagError(f"model.init_args.network.smooth is {reach}; it must be 0, for none, to {FRAMES - 1} frames")
         self.register_buffer("weights", torch.tensor(_windows(reach), dtype=torch.float32), persistent=False)
 
     def forward(self, motion: Motion) -> Motion:

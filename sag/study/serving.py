@@ -94,6 +94,7 @@ def hand_out(asked: argparse.Namespace) -> int:
         paths = write_handouts(study, store, asked.raters, folder)
     store.close()
     size = paths[0].stat().st_size / 1e6
-    print(f"{len(paths)} files are in {plain(str(folder))} ({size:.1f} MB each): one for each rater, sent by itself")
+    files = "1 file is" if len(paths) == 1 else f"{len(paths)} files are"
+    print(f"{files} in {plain(str(folder))} ({size:.1f} MB each): one for each rater, sent by itself")
     print(f"what comes back: sag study report {plain(str(asked.study))} answers-*.json")
     return 0

@@ -4,6 +4,7 @@ import pytest
 import torch
 
 from sag.components import Components, Network, build_encoder, build_generator
+from sag.errors import SagError
 from sag.models.finishing import KeptBones, Smooth
 from sag.models.sampler import Sampler
 from sag.models.scale import MotionScale
@@ -107,3 +108,9 @@ def test_a_generator_finishes_where_asked_and_only_there(separate: bool, batch: 
         jitter[name] = motion.joints.diff(dim=1, n=3).norm()
     assert drift["kept"] < 1e-5 < 0.05 < drift["free"]
     assert jitter["smooth"] < 0.3 * jitter["free"]
+
+
+@pytest.mark.parametrize("reach", [-1, FRAMES])
+def test_a_window_that_cannot_be_is_refused(reach: int) -> None:
+    with pytest.raises(SagError, match=f"smooth is {reach}"):
+        build_generator(Components(), Network(width=0.05, smooth=reach), GTA_IM_19, MotionScale(19, 12))
