@@ -10,12 +10,16 @@ import pytest
 import torch
 from toy_data import ToyDataModule
 
+from sag.components import Components, Network, build_critics
+from sag.data.base import Windows
 from sag.data.cache import DEPTH_UNIT, PERSON, WindowCache
 from sag.data.rooms import Recipe, RoomsDataModule, load_contact, load_geometry
 from sag.data.rooms.preview import sheet
 from sag.errors import SagError
 from sag.metrics.collisions.counts import collision_counts
+from sag.models.scale import MotionScale
 from sag.skeleton import GTA_IM_19
+from sag.types import DepthMap
 
 SIZES = {"train_rooms": 1, "test_rooms": 1, "val_rooms": 0, "views": 1, "recordings": 1, "image_size": (18, 32)}
 
@@ -160,3 +164,14 @@ def test_other_data_sets_have_no_known_geometry(tmp_path: Path) -> None:
     for ask in (lambda: load_geometry(toy, 0), lambda: load_contact(toy), lambda: sheet(toy, tmp_path / "no.png")):
         with pytest.raises(SagError):
             ask()
+
+
+@pytest.mark.parametrize("name", ["trajectory", "pose", "projection"])
+def test_critics_see_the_people_of_rooms_to_one_scale(name: str, module: RoomsDataModule) -> None:
+    scale = MotionScale(19, GTA_IM_19.root_index)
+    scale.fit(module.training_motion)
+    windows = Windows(module.cache, "train", GTA_IM_19)
+    batch = windows.__getitems__(list(range(len(windows))))
+    critic = build_critics(Components(), Network(width=0.1, critic_norm="layer"), GTA_IM_19, scale)[name]
+    view = critic.view(batch.motion, DepthMap(batch.scene.depth, batch.scene.intrinsics))
+    assert 0.6 < view.std() < 1.7

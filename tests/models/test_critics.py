@@ -173,9 +173,3 @@ def _first_sum(judge, name: str, view: torch.Tensor, told: Condition) -> torch.T
         judge(view, told)
     hook.remove()
     return caught[0][..., 1:-1]
-
-
-@pytest.mark.parametrize("name", ["trajectory", "pose", "projection"])
-def test_views_are_to_one_scale(name: str, batch: Batch, scale: MotionScale) -> None:
-    view = critic(name, scale).view(batch.motion, seen(batch))
-    assert 0.5 < view.std() < 2
