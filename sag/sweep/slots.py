@@ -47,8 +47,14 @@ def slots(jobs: int | None = None, gpus_each: int | None = None) -> list[Slot]:
     each = 1 if gpus_each is None else gpus_each
     groups = [",".join(found[i : i + each]) for i in range(0, len(found) - each + 1, each)] if each else [""]
     count = jobs or len(groups) or USUAL
-    threads = max(1, process.cores() // count)
+    threads = max(1, min(process.cores() // count, _most_threads()))
     return [Slot(threads, groups[i % len(groups)] if groups else None) for i in range(count)]
+
+
+def _most_threads() -> int:
+    """What `OMP_NUM_THREADS` allows, where somebody has set it: a row beside other work stands still with more."""
+    said = os.environ.get("OMP_NUM_THREADS", "")
+    return int(said) if said.isdecimal() and int(said) else process.cores()
 
 
 def visible_gpus() -> list[str]:

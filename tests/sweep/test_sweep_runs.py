@@ -28,11 +28,13 @@ def test_every_row_runs_once_with_its_place_in_the_environment(workplace, capsys
     assert "all 7 runs finished" in said and "sag report runs/trial" in said
 
 
-def test_threads_share_the_cores(workplace, monkeypatch):
+@pytest.mark.parametrize(("allowed", "wanted"), [(None, "2"), ("1", "1"), ("16", "2"), ("many", "2")])
+def test_threads_share_the_cores_that_are_allowed(workplace, monkeypatch, allowed, wanted):
     monkeypatch.setattr("sag.sweep.process.cores", lambda: 8)
+    monkeypatch.delenv("OMP_NUM_THREADS") if allowed is None else monkeypatch.setenv("OMP_NUM_THREADS", allowed)
     main(["sweep.yaml", "--jobs", "4"])
     threads = {call["row"]: call["environment"]["OMP_NUM_THREADS"] for call in workplace.calls()}
-    assert set(threads.values()) == {"2"}
+    assert set(threads.values()) == {wanted}
 
 
 def test_finished_rows_are_not_run_again(workplace, capsys):
