@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import torch
 from rich import box
@@ -15,8 +15,9 @@ from sag.data.selection import spread, windows_at
 from sag.errors import SagError
 from sag.methods.wgan import WGAN
 from sag.options import add_cache_dir
-from sag.runs import Run, read_runs
-from sag.shipped import run_path
+from sag.runs import read_runs
+from sag.shipped import add_runs
+from sag.types import Batch
 
 DESCRIPTION = """\
 What the critics of trained runs listen to, on validation windows: how much of their scores comes from the motion, from
@@ -36,9 +37,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog="sag critics", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument(
-        "runs", type=run_path, nargs="+", metavar="RUN", help="folder of a trained run or of a sweep, or shipped"
-    )
+    add_runs(made)
     made.add_argument("--windows", type=int, metavar="N", help="validation windows (default: 100, or all of fewer)")
     made.add_argument("--seed", type=int, default=0, metavar="S", help="of what is generated (default: 0)")
     add_cache_dir(made)
@@ -53,41 +52,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     asked = parser().parse_args(arguments)
     runs = read_runs(asked.runs, asked.cache_dir)
-    judged = [run for run in runs if isinstance(run.method, WGAN)]
+    judged = {run.name: run.method for run in runs if isinstance(run.method, WGAN)}
     if not judged:
         raise SagError(f"{runs[0].name} has no critics: it is a {type(runs[0].method).__name__}")
-    known = judged[0].data.cache.rows("val").tolist()
+    data = runs[0].data
+    known = data.cache.rows("val").tolist()
     count = min(100, len(known)) if asked.windows is None else asked.windows
     if not 2 <= count <= len(known):
-        raise SagError(
-            f"--windows is {count}, and {judged[0].data.name} has {len(known)} validation windows; at least 2"
-        )
-    places = spread(known, count)
+        raise SagError(f"--windows is {count}, and {data.name} has {len(known)} validation windows; at least 2")
+    batch = windows_at(data, "val", spread(known, count))
     console = Console()
-    console.print(_table([(run.name, _listening(run, places, asked.seed)) for run in judged]))
+    console.print(_table({name: _listening(method, batch, asked.seed) for name, method in judged.items()}))
     console.print(
-        f"{count} validation windows of {judged[0].data.name} (fingerprint {judged[0].data.cache.fingerprint}), seed "
+        f"{count} validation windows of {data.name} (fingerprint {data.cache.fingerprint}), seed "
         f"{asked.seed}. {LEGEND.format(step=100 * STEP)}",
         markup=False, highlight=False, soft_wrap=True,
     )  # fmt: skip
     return 0
 
 
-def _listening(run: Run, places: Sequence[int], seed: int) -> dict[str, Listening]:
-    assert isinstance(run.method, WGAN)
-    device = run.method.device
-    batch = windows_at(run.data, "val", places).to(device)
-    return listening_of(run.method, batch, torch.Generator(device).manual_seed(seed))
+def _listening(method: WGAN, batch: Batch, seed: int) -> dict[str, Listening]:
+    return listening_of(method, batch.to(method.device), torch.Generator(method.device).manual_seed(seed))
 
 
-def _table(found: Sequence[tuple[str, dict[str, Listening]]]) -> Table:
+def _table(found: Mapping[str, dict[str, Listening]]) -> Table:
     """A line for each critic of each run."""
     grid = Table(title="What critics listen to", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     grid.add_column("run", overflow="fold")
     grid.add_column("critic", no_wrap=True)
     for heading in ("motion", "f", "both", "pull", "> fake", "> lifted", "> sunk"):
         grid.add_column(heading, justify="right", no_wrap=True)
-    for name, critics in found:
+    for name, critics in found.items():
         for turn, (critic, heard) in enumerate(critics.items()):
             shares = (f"{share:.1f}" for share in (heard.motion, heard.feature, heard.both))
             preferred = (f"{share:.0f}" for share in (heard.real, heard.lifted, heard.sunk))

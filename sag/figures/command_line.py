@@ -20,7 +20,7 @@ from sag.film.samples import SHEET, sampled, stages_of, write_samples
 from sag.options import add_cache_dir
 from sag.report.plot import NO_METADATA, STYLE
 from sag.runs import Run, read_runs, run_places
-from sag.shipped import beside, run_path
+from sag.shipped import add_runs, beside
 from sag.text import plain
 
 FORMATS = ("png", "svg", "pdf")
@@ -38,9 +38,7 @@ def parser() -> argparse.ArgumentParser:
         prog="sag figure", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     made.add_argument("kind", choices=("strips", "sheets", "speeds"))
-    made.add_argument(
-        "runs", type=run_path, nargs="+", metavar="RUN", help="folder of a trained run or of a sweep, or shipped"
-    )
+    add_runs(made)
     which = made.add_mutually_exclusive_group()
     which.add_argument(
         "--windows", type=int, metavar="N", help="scenes, evenly spread (default: 3 in strips, all in speeds)"

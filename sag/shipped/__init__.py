@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 NAME = "shipped"
@@ -15,6 +16,13 @@ def run_path(text: str) -> Path:
     """The path that an argument names; `shipped`, where nothing else is called so, is the run that ships."""
     path = Path(text)
     return FOLDER if text == NAME and not path.exists() else path
+
+
+def add_runs(parser: argparse.ArgumentParser) -> None:
+    """Adds the argument `RUN ...`, into `runs`."""
+    parser.add_argument(
+        "runs", type=run_path, nargs="+", metavar="RUN", help="folder of a trained run or of a sweep, or shipped"
+    )
 
 
 def beside(place: Path, name: str) -> Path:
