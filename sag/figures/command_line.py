@@ -123,8 +123,9 @@ def _panels(runs: Sequence[Run], place: int, asked: argparse.Namespace) -> list[
         motions = sampled(run.method, batch, samples, asked.seed)
         parts = [motions] if asked.together or len(runs) > 1 else list(motions.split(1, dim=1))
         title = run.name.replace("_", " ")
-        panels += [Panel(title if len(parts) == 1 else f"{title} {n + 1}", stages_of(run.data, batch, part)[0])
-                   for n, part in enumerate(parts)]  # fmt: skip
+        for n, part in enumerate(parts, start=1):
+            (stage,) = stages_of(run.data, batch, part, with_surface=True)
+            panels.append(Panel(title if len(parts) == 1 else f"{title} {n}", stage))
     return panels
 
 

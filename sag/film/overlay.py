@@ -35,7 +35,7 @@ def overlay_frames(stage: Stage, columns: int = 960, every: int = 1) -> Iterator
         SagError: the picture is not known.
     """
     eye, picture = picture_eye(stage, columns)
-    hiding = PlaceView(stage).depth(eye) if stage.measured else None
+    hiding = measured_depth(stage, eye)
     for frame in range(0, stage.frames, every):
         yield as_bytes(with_bodies(stage, eye, picture, frame, hiding))
 
@@ -54,6 +54,11 @@ def picture_eye(stage: Stage, columns: int) -> tuple[Eye, Float[np.ndarray, "h w
     scale = np.array([[size[1] / wide], [size[0] / rows], [1.0]])
     resized = Image.fromarray(stage.picture).resize(size[::-1], Image.Resampling.LANCZOS)
     return Eye.of_picture(stage.intrinsics * scale, size), np.asarray(resized) / 255
+
+
+def measured_depth(stage: Stage, eye: Eye) -> Float[np.ndarray, "h w"] | None:
+    """Planar z of what stands in the place, metres, infinite where nothing is known; None where it would be a guess."""
+    return PlaceView(stage).depth(eye) if stage.measured else None
 
 
 def with_bodies(

@@ -8,7 +8,7 @@ from PIL import Image
 
 from sag.film.canvas import Canvas
 from sag.film.colours import time_colour
-from sag.film.overlay import add_shadow, as_bytes, picture_eye
+from sag.film.overlay import add_shadow, as_bytes, measured_depth, picture_eye
 from sag.film.stage import Stage
 
 POSES = 6
@@ -17,6 +17,8 @@ POSES = 6
 
 def strip(stage: Stage, columns: int, poses: int = POSES) -> UInt8[np.ndarray, "h w 3"]:
     """The picture with poses of all samples at equal times, from dark to bright.
+
+    What is behind the surface of the stage is faint, where it has one and its depth was measured.
 
     Args:
         stage: with a picture.
@@ -27,12 +29,13 @@ def strip(stage: Stage, columns: int, poses: int = POSES) -> UInt8[np.ndarray, "
         SagError: the picture is not known.
     """
     eye, picture = picture_eye(stage, columns)
+    hiding = measured_depth(stage, eye)
     ground, bodies = Canvas(eye, stage.up), Canvas(eye, stage.up)
     for frame in np.linspace(0, stage.frames - 1, poses).round().astype(int).tolist():
         for motion in stage.motions:
             add_shadow(ground, stage, motion[frame])
             bodies.add(*stage.capsules(motion[frame]), time_colour(frame / max(1, stage.frames - 1)))
-    return as_bytes(bodies.laid_over(ground.shadowed(picture, blur=eye.size[1] / 240)))
+    return as_bytes(bodies.laid_over(ground.shadowed(picture, blur=eye.size[1] / 240, hiding=hiding), hiding))
 
 
 def side_by_side(pictures: list[UInt8[np.ndarray, "h w 3"]], columns: int, gap: int = 4) -> Image.Image:

@@ -49,6 +49,12 @@ def test_who_stands_behind_a_wall_is_faint():
     assert before > 200 and behind > 50 and strong[1] < 0.6 * strong[0]
 
 
+def test_in_a_strip_too():
+    before, behind = (strip(stage(1, near=near), columns=160, poses=3) for near in (4.0, 6.0))
+    assert changed(before).sum() > 200 and changed(behind).sum() > 50
+    assert np.abs(behind.astype(int) - 120).max() < 0.6 * np.abs(before.astype(int) - 120).max()
+
+
 def test_the_nearer_body_is_seen():
     shown = stage(1)
     canvas = Canvas(Eye.of_picture(INTRINSICS, SIZE), shown.up)
