@@ -88,6 +88,7 @@ recipe: install ## One setting of the recipe changed at a time, on rooms that no
 .PHONY: pages
 pages: install ## Renew the tables of README.md and docs/ from results/.
 	$(BIN)/sag report --page README.md
+	$(BIN)/sag report --page docs/results.md
 	$(BIN)/sag report --page docs/recipe.md
 	$(BIN)/sag report --page sag/shipped/mdpc/README.md
 
