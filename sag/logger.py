@@ -41,6 +41,7 @@ class WandbOffline(WandbLogger):
             offline=offline,
             settings=wandb.Settings(silent=True, x_disable_stats=True),
         )
+        self._wandb_init.pop("anonymous", None)  # W&B warns of it, whatever its value
 
     @property
     @rank_zero_experiment

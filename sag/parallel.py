@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import time
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -63,16 +62,6 @@ class Together(pl.Callback):
         launcher = trainer.strategy.launcher
         if isinstance(launcher, _SubprocessScriptLauncher):
             launcher.kill(signal.SIGKILL)
-
-
-def leave_unsaid() -> None:
-    """Leaves out warnings of what is as it should be where processes work together."""
-    for message in (
-        "It is recommended to use .*sync_dist=True",  # figures are of all processes before they are logged
-        "(?s).*was called before the ``update`` method",  # a test may have fewer batches than processes
-        "Grad strides do not match bucket view strides",  # channels-last weights of 1 x 1
-    ):
-        warnings.filterwarnings("ignore", message)
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from sag.components import Components
 from sag.data.base import MotionDataModule
 from sag.errors import SagError
 from sag.methods.base import Method
-from sag.parallel import first_process_speaks, leave_unsaid
+from sag.parallel import first_process_speaks
 from sag.parsing import LINKS, one_sentence_each
 from sag.saving import LastCheckpoint
 from sag.trainer import Trainer
@@ -80,9 +81,8 @@ class TrainingCLI(LightningCLI):
 
 def train(arguments: list[str]) -> int:
     """Parses and runs; every mistake in options or configs becomes one sentence."""
-    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)  # tips and greetings
     set_parsing_settings(omegaconf_absolute_to_relative_paths=True)
-    leave_unsaid()
+    _leave_unsaid()
     torch.set_flush_denormal(True)  # tiny numbers cost twenty times as much on some processors
     try:
         with first_process_speaks(), one_sentence_each():
@@ -101,3 +101,16 @@ def train(arguments: list[str]) -> int:
         torch.set_flush_denormal(False)
         wandb.finish()
     return 0
+
+
+def _leave_unsaid() -> None:
+    """Leaves out what libraries say of things that are as they should be."""
+    logging.getLogger("lightning.pytorch.utilities.rank_zero").setLevel(logging.WARNING)  # tips and greetings
+    for message in (
+        "It is recommended to use .*sync_dist=True",  # figures are of all processes before they are logged
+        "(?s).*was called before the ``update`` method",  # a test may have fewer batches than processes
+        "Grad strides do not match bucket view strides",  # channels-last weights of 1 x 1
+        "The `srun` command is available",  # sweeps go to SLURM by themselves
+        r"`isinstance\(treespec, LeafSpec\)` is deprecated",  # Lightning's affair
+    ):
+        warnings.filterwarnings("ignore", message)
