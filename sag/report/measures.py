@@ -86,7 +86,7 @@ INSIDE = Measure("inside furniture", "penetration/share", unit="%", factor=100.0
 FLOOR = Measure("feet off the floor", "floor/error", unit="mm", factor=1000.0, digits=1)
 SCALE = Measure("scale (bone drift)", "bone_drift", unit="%", factor=100.0, digits=2)
 DEPTH = Measure("depth error", "depth_error/abs_rel", digits=4)
-PROBE = Measure("depth read off f", "depth_probe/rmse", digits=4)
+PROBE = Measure("error of depth read off f", "depth_probe/rmse", unit="m", digits=4)
 
 MEASURES = (
     MOTION_FID,
