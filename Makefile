@@ -73,7 +73,7 @@ figure7: install ## The paper's Figure 7: train SAG and Cao et al., then how far
 	$(BIN)/sag figure7 $(call folder,figure7) --out $(call folder,figure7)
 
 .PHONY: standard
-standard: install ## Motion to look at: the run that ships, its blind twin, and the same in many rooms; two hours.
+standard: install ## Motion to look at: the run that ships, a blind row, and the whole in many rooms; two hours.
 	$(BIN)/sag sweep sweeps/standard.yaml --jobs $(JOBS) --out $(RUNS)/standard
 	$(BIN)/sag fit --config configs/base.yaml --config configs/presets/standard.yaml --config configs/data/many_rooms.yaml \
 		--trainer.default_root_dir $(RUNS)/standard/mdpc_many_rooms --ckpt_path last
