@@ -183,5 +183,5 @@ def test_every_letter_has_its_own_measure_and_what_cannot_be_told_is_said():
     deep = made(["md", "mdc"], range(2), lambda x, s: 0.4 + s, PROBE.metric)
     own, *_ = letters_tables(letters_of([*lines, *deep]))
     texts = {(row.cells[0].text, row.cells[1].text): row.cells[-1].text for row in own.rows}
-    assert texts["D", PROBE.name] == "no twins"
+    assert texts["D", f"{PROBE.name} {PROBE.unit}"] == "no twins"
     assert texts["D", AWARENESS.name] == "not measured"
