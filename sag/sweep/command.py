@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from sag.errors import SagError
 from sag.sweep.definition import Point, Sweep
 
@@ -97,7 +99,8 @@ def _environment(match: re.Match[str]) -> str:
 def command_hash(command: Sequence[str], after: str = "") -> str:
     """A fingerprint of what a command does: its arguments, the bytes of every config it names, what it builds on.
 
-    The interpreter's place is left out, so that a moved virtual environment does not run everything again.
+    The interpreter's place is left out, so that a moved virtual environment does not run everything again. A config of
+    components alone counts as its flags, so that sweeps over configs and over flags share rows.
 
     Args:
         command: the command, without the folder it writes to.
@@ -108,12 +111,25 @@ def command_hash(command: Sequence[str], after: str = "") -> str:
     """
     digest = hashlib.sha256(after.encode())
     for part in command:
-        if part != sys.executable:
-            digest.update(part.encode() + b"\0")
         config = part.rpartition("=")[2]
-        if config.endswith((".yaml", ".yml")):
-            digest.update(_config_bytes(Path(config)))
+        content = _config_bytes(Path(config)) if config.endswith((".yaml", ".yml")) else b""
+        flags = _component_flags(content) if part.startswith("--config=") else []
+        for said in flags or [part]:
+            if said != sys.executable:
+                digest.update(said.encode() + b"\0")
+        digest.update(content if not flags else b"")
     return digest.hexdigest()[:16]
+
+
+def _component_flags(config: bytes) -> list[str]:
+    """The flags that say what a config of components alone says; none for any other."""
+    try:
+        content = yaml.safe_load(config)
+    except (ValueError, RecursionError, yaml.YAMLError):  # whoever runs it says so
+        return []
+    if not isinstance(content, dict) or list(content) != ["components"] or not isinstance(content["components"], dict):
+        return []
+    return [f"--components.{name}={written(value)}" for name, value in content["components"].items()]
 
 
 def _config_bytes(path: Path) -> bytes:

@@ -1,4 +1,5 @@
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -178,6 +179,33 @@ def test_the_fingerprint_covers_the_bytes_of_every_config_and_what_came_before(w
         workplace.write(name, f"other: {name}")
         assert command_hash(command) != before
         before = command_hash(command)
+
+
+def test_a_config_of_components_alone_is_its_flags(workplace):
+    workplace.write("md.yaml", "# a row\ncomponents:\n  separate: true\n  depth: true\n")
+    flags = ["--components.separate=true", "--components.depth=true"]
+    before = command_hash(["a", "--config=md.yaml", "--b=1"])
+    assert before == command_hash(["a", *flags, "--b=1"])
+    assert before != command_hash(["a", flags[0], "--components.depth=false", "--b=1"])
+    assert before != command_hash(["a", "--config", "md.yaml", "--b=1"]), "the sweep file's own configs are as they are"
+    for more in (
+        "components: {separate: true, depth: true}\nc: 1",
+        "components: [separate, depth]",
+        "components: {",
+        "",
+    ):
+        workplace.write("other.yaml", more)
+        assert command_hash(["a", "--config=other.yaml", "--b=1"]) != before
+
+
+def test_rows_of_the_ablation_and_of_table_1_are_the_same(monkeypatch):
+    root = Path(__file__).parents[2]
+    monkeypatch.chdir(root)
+    ablation, table1 = (
+        {row.name: row.fingerprint for row in plan(read_sweep(root / f"sweeps/{name}.yaml"), Additions(), seeds=2)}
+        for name in ("ablation", "table1")
+    )
+    assert len(table1) == 2 + 2 * 7 and table1.items() <= ablation.items()
 
 
 def test_a_missing_config_is_named(workplace):
