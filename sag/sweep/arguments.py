@@ -11,8 +11,7 @@ DESCRIPTION = """\
 Trains and tests every row of a sweep file (W&B's format; grid, random or bayes), each in a process of its own,
 after the encoders of Motion FID and the ground truth; last, where components vary, a row that is blind to
 the scene. Rows that have finished are not run again, so the same command continues after Ctrl-C, a crash or
-a changed config, and rows that a sweep in a folder beside this one has finished are copied from there, as those of
-table1 from ablation;
+a changed config, and rows that a sweep in a folder beside this one has finished are copied from there;
 a row that fails does not stop the others.
 Every row has a folder with its log.txt, status.json and metrics.json; `sag report` makes tables of them."""
 
