@@ -3,6 +3,9 @@
 import dataclasses
 import inspect
 import json
+import re
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -88,3 +91,10 @@ def test_the_base_says_what_it_is() -> None:
     assert "critic_norm: batch" in text
     assert "penalty_target: 0.1" in text
     assert "max_epochs: 150" in text
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
+@pytest.mark.parametrize(("target", "rooms"), [("recipe", "other_rooms"), ("ablation", "rooms"), ("table1", "rooms")])
+def test_settings_are_chosen_in_rooms_that_no_table_is_tested_on(target, rooms):
+    said = subprocess.run(["make", "--dry-run", target], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"configs/data/(\w+)\.yaml", said)) == {rooms}
