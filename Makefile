@@ -19,7 +19,7 @@ data_options = --config configs/data/$(DATA).yaml $(if $(ROOT),--set "data.init_
 	$(if $(SMPLX),--set "data.init_args.smplx_models=$(SMPLX)") \
 	$(if $(filter folder,$(DATA)),--set "data.init_args.skeleton=$(ROOT)/skeleton.yaml"))
 # Runs that do not compare have folders of their own.
-folder = $(RUNS)/$(1)$(if $(filter-out rooms other_rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
+folder = $(RUNS)/$(1)$(if $(filter-out rooms,$(DATA)),-$(DATA))$(if $(filter-out quick,$(PRESET)),-$(PRESET))$(if $(filter-out 1,$(SEEDS)),-seeds)
 run = $(BIN)/sag sweep sweeps/$(1).yaml --jobs $(JOBS) $(if $(filter-out 1,$(SEEDS)),--seeds $(SEEDS)) --config configs/presets/$(PRESET).yaml
 sweep = $(call pretraining,$(1)) $(call run,$(1)) --out $(call folder,$(1)) $(data_options) $(EXTRA) \
 	$(if $(GTA_IM),--pretrained $(call folder,$(1))-pretraining) ; status=$$? ; \
