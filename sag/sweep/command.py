@@ -9,12 +9,12 @@ import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from sag.errors import SagError
+from sag.files import read_yaml
 from sag.sweep.definition import Point, Sweep
 
 MACRO = re.compile(r"\$\{(\w+)\}")
@@ -110,25 +110,26 @@ def command_hash(command: Sequence[str], after: str = "") -> str:
         SagError: a config file does not exist.
     """
     digest = hashlib.sha256(after.encode())
-    for part in command:
+    for part in chain.from_iterable(map(_with_component_flags, command)):
+        if part != sys.executable:
+            digest.update(part.encode() + b"\0")
         config = part.rpartition("=")[2]
-        content = _config_bytes(Path(config)) if config.endswith((".yaml", ".yml")) else b""
-        flags = _component_flags(content) if part.startswith("--config=") else []
-        for said in flags or [part]:
-            if said != sys.executable:
-                digest.update(said.encode() + b"\0")
-        digest.update(content if not flags else b"")
+        if config.endswith((".yaml", ".yml")):
+            digest.update(_config_bytes(Path(config)))
     return digest.hexdigest()[:16]
 
 
-def _component_flags(config: bytes) -> list[str]:
-    """The flags that say what a config of components alone says; none for any other."""
+def _with_component_flags(part: str) -> list[str]:
+    """A part of a command, or, where it names a config of components alone, the flags that say the same."""
+    option, _, path = part.partition("=")
+    if option != "--config":
+        return [part]
     try:
-        content = yaml.safe_load(config)
-    except (ValueError, RecursionError, yaml.YAMLError):  # whoever runs it says so
-        return []
+        content = read_yaml(Path(path))
+    except SagError:  # whoever runs it says so
+        return [part]
     if not isinstance(content, dict) or list(content) != ["components"] or not isinstance(content["components"], dict):
-        return []
+        return [part]
     return [f"--components.{name}={written(value)}" for name, value in content["components"].items()]
 
 
