@@ -84,6 +84,7 @@ standard: install ## Motion to look at: the run that ships, a blind row, and the
 .PHONY: recipe
 recipe: DATA = other_rooms
 recipe: install ## One setting of the recipe changed at a time, on rooms that no table is tested on (docs/recipe.md).
+	$(BIN)/sag fit --config configs/base.yaml --config configs/presets/quick.yaml --config configs/scene_encoder.yaml --ckpt_path last
 	@$(call sweep,recipe)
 
 .PHONY: pages

@@ -31,8 +31,15 @@ from sag.models.critics import (
     ProjectionCritic,
     TrajectoryCritic,
 )
+from sag.models.encoder_start import EncoderStart
 from sag.models.finishing import Bones, FinishedGenerator, KeptBones, Smooth
-from sag.models.generators import GeneratorSizes, JointGenerator, MotionGenerator, SeparateGenerator
+from sag.models.generators import (
+    GeneratorSizes,
+    JointGenerator,
+    MotionGenerator,
+    PoseSees,
+    SeparateGenerator,
+)
 from sag.models.graph import Norm
 from sag.models.noise import Kernel
 from sag.models.scale import MotionScale, Units
@@ -83,7 +90,9 @@ class Network:
         context_depth: the depth those crops are cut from when D is on.
         feature_grid: cells into which the encoder's last map is pooled; (1, 1) is ResNet's.
         feature_norm: how f is brought to scale.
-        imagenet: local file with torchvision's ImageNet weights of ResNet-18.
+        imagenet: local file with torchvision's ImageNet weights of ResNet-18, in which training starts.
+        scene_encoder: checkpoint of another run in whose scene encoder training starts instead.
+        pose_sees: what of the trajectory the pose generator is given: where the root is, or its velocities.
         blind: whether the scene feature is zero: the honest zero of scene awareness.
     """
 
@@ -99,6 +108,8 @@ class Network:
     feature_grid: tuple[int, int] = (1, 1)
     feature_norm: FeatureNorm = "none"
     imagenet: Path | None = None
+    scene_encoder: Path | None = None
+    pose_sees: PoseSees = "places"
     blind: bool = False
 
     def channels(self, *counts: int) -> tuple[int, ...]:
@@ -119,15 +130,20 @@ def build_encoder(network: Network) -> SceneEncoder | BlindEncoder:
         return BlindEncoder(network.generator_sizes.feature)
     (width,) = network.channels(64)
     sizes = network.generator_sizes
-    return SceneEncoder(sizes.feature, width, network.imagenet, network.feature_grid, network.feature_norm)
+    start = EncoderStart(network.imagenet, network.scene_encoder)
+    return SceneEncoder(sizes.feature, width, network.feature_grid, network.feature_norm, start)
 
 
 def build_generator(
     components: Components, network: Network, skeleton: Skeleton, scale: MotionScale
 ) -> MotionGenerator:
     """M decides: two generators in a row, or CSGN's one."""
-    kind = SeparateGenerator if components.separate else JointGenerator
-    generator = kind(network.generator_sizes, skeleton, scale, network.kernel)
+    sizes, kernel = network.generator_sizes, network.kernel
+    generator: MotionGenerator = (
+        SeparateGenerator(sizes, skeleton, scale, kernel, network.pose_sees)
+        if components.separate
+        else JointGenerator(sizes, skeleton, scale, kernel)
+    )
     finishes: list[nn.Module] = [Smooth(network.smooth)] if network.smooth else []
     finishes += [KeptBones(skeleton)] if network.bones == "kept" else []
     return FinishedGenerator(generator, finishes) if finishes else generator

@@ -49,6 +49,8 @@ def command(stage: str, name: str, folder: Path, cache: Path) -> list[str]:
 def test_every_config_runs(name: str, stage: str, tmp_path: Path, toy_cache: Path) -> None:
     if name == "methods/ground_truth.yaml" and stage == "fit":
         pytest.skip("ground truth has nothing to fit")
+    if name == "recipe/encoder_pretrained.yaml" and stage == "fit":
+        pytest.skip("starts in the checkpoint of another run")
     if name == "methods/erd.yaml" and stage == "predict":
         pytest.skip("encoders do not make motions")
     assert main(command(stage, name, tmp_path, toy_cache)) == 0

@@ -102,7 +102,8 @@ class Cao(Method):
         return bool((self.stage_steps > 0).all())
 
     def prepare(self, motion: Motion) -> None:
-        """Takes normalisation from the training split's motion."""
+        """Starts the scene encoder, says from what, and takes normalisation from the training split's motion."""
+        self.print(f"the scene encoder starts from {self.encoder.begin()}")
         self.scale.fit(motion)
 
     def _learning(self, stage: int) -> tuple[nn.Module, ...]:

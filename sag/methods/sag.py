@@ -87,8 +87,7 @@ class SAG(WGAN):
         return {name: weights.get(name, 1.0) for name in LOSSES}
 
     def prepare(self, motion: Motion) -> None:
-        """Takes normalisation from the training split's motion, and says what the scene encoder starts from."""
-        self.print(f"the scene encoder starts from {self.network.imagenet or 'random weights, not from ImageNet'}")
+        """As every WGAN; the averaged sampler has the same normalisation."""
         super().prepare(motion)
         for averaged in self._averages():
             averaged.module.scale.load_state_dict(self.sampler.scale.state_dict())

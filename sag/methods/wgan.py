@@ -96,7 +96,8 @@ class WGAN(Method):
         return dict(self.critics.items())
 
     def prepare(self, motion: Motion) -> None:
-        """Takes normalisation from the training split's motion."""
+        """Starts the scene encoder, says from what, and takes normalisation from the training split's motion."""
+        self.print(f"the scene encoder starts from {self.sampler.encoder.begin()}")
         self.sampler.scale.fit(motion)
 
     def configure_optimizers(self) -> tuple[torch.optim.Optimizer, torch.optim.Optimizer]:

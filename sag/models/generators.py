@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import torch
 import torch.nn.functional as F
@@ -15,6 +16,9 @@ from sag.models.scale import MotionScale
 from sag.models.temporal import BatchNorm, Doubling, TemporalBlock, TemporalConv
 from sag.skeleton import Skeleton
 from sag.types import GENERATED, Condition, Motion
+
+PoseSees = Literal["places", "velocities"]
+"""What the pose generator is given of R: its places relative to frame 0, to scale, or V in shares of its limit."""
 
 LEVELS = (3, 2, 2, 1, 1, 0)
 """Graph levels of the pose generator's tensors, coarse to fine: body, limbs, limbs, parts, parts, joints."""
@@ -120,12 +124,20 @@ class SeparateGenerator(MotionGenerator):
         skeleton: joints and levels.
         scale: units.
         kernel: of the noise.
+        pose_sees: what the pose is given of the trajectory.
     """
 
-    def __init__(self, sizes: GeneratorSizes, skeleton: Skeleton, scale: MotionScale, kernel: Kernel) -> None:
+    def __init__(
+        self,
+        sizes: GeneratorSizes,
+        skeleton: Skeleton,
+        scale: MotionScale,
+        kernel: Kernel,
+        pose_sees: PoseSees = "places",
+    ) -> None:
         super().__init__()
         initial = 3 * len(skeleton.joints)
-        self.scale = scale
+        self.scale, self.pose_sees = scale, pose_sees
         self.trajectory_noise = GaussianProcess(sizes.trajectory_noise, LATENT_STEPS, kernel)
         self.pose_noise = GaussianProcess(sizes.pose_noise, LATENT_STEPS, kernel)
         self.trajectory = TrajectoryNetwork(sizes.trajectory_noise + sizes.feature + initial, sizes.blocks)
@@ -141,7 +153,8 @@ class SeparateGenerator(MotionGenerator):
         feature, initial = condition.feature, condition.initial_pose
         unit = self.trajectory(noise[0], torch.cat([feature, initial], dim=1))
         trajectory = (self.scale.speed_limit * unit).cumsum(dim=-1).transpose(1, 2)
-        seen = (trajectory / self.scale.trajectory_std).transpose(1, 2).flatten(1)
+        places = (trajectory / self.scale.trajectory_std).transpose(1, 2)
+        seen = (places if self.pose_sees == "places" else unit).flatten(1)
         pose = self.scale.pose(self.pose(noise[1], torch.cat([feature, seen, initial], dim=1)))
         return given.first.continued(trajectory, pose)
 

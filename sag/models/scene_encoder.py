@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
 import torch
@@ -11,6 +10,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from sag.models.batch_norm import BatchNorm1d, BatchNorm2d
+from sag.models.encoder_start import EncoderStart
 from sag.models.resnet import ResNet18
 
 FeatureNorm = Literal["none", "batch"]
@@ -23,10 +23,10 @@ class SceneEncoder(nn.Module):
     Args:
         feature_channels: length of f.
         width: channels of the first stage; 64 is ResNet-18.
-        imagenet: local file of torchvision's ImageNet weights; a random start otherwise.
         grid: cells (rows, columns) into which the last map is pooled before the linear layer; (1, 1) is
             ResNet's global average, finer ones keep where things are.
         norm: of f. Left alone, f grows in training until noise and initial pose beside it count for little.
+        start: what `begin` loads.
     """
 
     mean: Tensor
@@ -36,19 +36,21 @@ class SceneEncoder(nn.Module):
         self,
         feature_channels: int,
         width: int = 64,
-        imagenet: Path | None = None,
         grid: tuple[int, int] = (1, 1),
         norm: FeatureNorm = "none",
+        start: EncoderStart = EncoderStart(),  # noqa: B008 (frozen)
     ) -> None:
         super().__init__()
         self.resnet = ResNet18(width)
-        if imagenet is not None:
-            self.resnet.load_imagenet(imagenet)
-        self.grid = grid
+        self.grid, self.start = grid, start
         self.fc = nn.Linear(self.resnet.out_channels * grid[0] * grid[1], feature_channels)
         self.norm = BatchNorm1d(feature_channels, affine=False) if norm == "batch" else nn.Identity()
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406]).view(3, 1, 1), persistent=False)
         self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
+
+    def begin(self) -> str:
+        """Loads what it starts from, before training; says what that is."""
+        return self.start.load(self, self.resnet)
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
         """f of pictures with colours in [0, 1], in their precision, whatever the maps between had."""
@@ -69,6 +71,10 @@ class BlindEncoder(nn.Module):
     def __init__(self, feature_channels: int) -> None:
         super().__init__()
         self.feature_channels = feature_channels
+
+    def begin(self) -> str:
+        """Loads nothing, and says so."""
+        return "nothing: it does not look"
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
         """f of any pictures: zeros."""

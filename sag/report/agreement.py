@@ -10,9 +10,9 @@ from itertools import combinations
 import numpy as np
 
 from sag.report.columns import ALONE, Column
+from sag.report.estimates import written_p
 from sag.report.lines import Line
 from sag.report.measures import MOTION_FID, NON_COLLISION, Measure
-from sag.report.neighbours import written_p
 from sag.report.paper import PaperFigures
 from sag.report.statistics import bootstrap_kendalls, kendall, kendalls
 from sag.report.table import NONE, Cell, Table, TableRow

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from sag.report.agreement import Agreement, agreement_table, agreements_of
+from sag.report.changes import START, Change, changes_of, changes_table
 from sag.report.letters import Letters, letters_of, letters_tables
 from sag.report.lines import Line
 from sag.report.neighbours import Step, neighbours_table, steps_of
@@ -26,17 +27,24 @@ class Evidence:
         steps: neighbouring rows of the paper's Table 1.
         agreements: with the paper's order.
         letters: effects of the components.
+        changes: each row against the one named `start`, where there is one.
     """
 
     sweep: str
     steps: tuple[Step, ...]
     agreements: tuple[Agreement, ...]
     letters: Letters
+    changes: tuple[Change, ...]
 
     @property
     def tables(self) -> list[Table]:
-        """Neighbours, agreement, letters: those that the data give."""
-        tables = [neighbours_table(self.steps), agreement_table(self.agreements), *letters_tables(self.letters)]
+        """Changes, neighbours, agreement, letters: those that the data give."""
+        tables = [
+            changes_table(self.changes),
+            neighbours_table(self.steps),
+            agreement_table(self.agreements),
+            *letters_tables(self.letters),
+        ]
         suffix = f" ({self.sweep})" if self.sweep else ""
         return [replace(table, title=table.title + suffix) for table in tables if table]
 
@@ -46,7 +54,13 @@ def evidence_of(lines: Sequence[Line], paper: PaperFigures) -> list[Evidence]:
     sweeps = dict.fromkeys(line.sweep for line in lines if line.kind != "truth")
     groups = {sweep: [line for line in lines if line.sweep == sweep] for sweep in sweeps}
     return [
-        Evidence(sweep, tuple(steps_of(rows, paper)), tuple(agreements_of(rows, paper)), letters_of(rows))
+        Evidence(
+            sweep,
+            tuple(steps_of(rows, paper)),
+            tuple(agreements_of(rows, paper)),
+            letters_of(rows),
+            tuple(changes_of(rows)),
+        )
         for sweep, rows in groups.items()
     ]
 
@@ -87,3 +101,7 @@ def _rows(evidence: Evidence) -> Iterator[dict[str, object]]:
             if effect.estimate:
                 row = {"kind": "letters", "subject": effect.name.replace("×", "x")}
                 yield {**row, **effect.measure.record(effect.estimate), "n": effect.twins, "freedom": effect.freedom}
+    for change in evidence.changes:
+        if found := change.difference.freedom:
+            row = {"kind": "changes", "subject": f"{START} to {change.row}", **change.measure.record(change.difference)}
+            yield {**row, "p": change.difference.p, "n": change.difference.count, "freedom": found}

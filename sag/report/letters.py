@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from sag.letters import LETTERS
 from sag.report.columns import ALONE, ARROWS, Column
 from sag.report.effects import EVERY, Effect, effects_of
+from sag.report.estimates import estimate_cell, estimate_with_interval
 from sag.report.lines import Line
 from sag.report.measures import MEASURES, OWN, Measure
-from sag.report.neighbours import estimate_cell
 from sag.report.table import NONE, Cell, Look, Table, TableRow
 
 OWN_TITLE = "Each letter on its own measure"
@@ -91,7 +91,7 @@ def _effects_table(letters: Letters, order: int, title: str, legend: str) -> Tab
     rows = []
     for measure, effects in letters.effects.items():
         by_name = {effect.name: effect for effect in effects}
-        cells = (_cell(by_name[name]) for name in names)
+        cells = (estimate_with_interval(measure, by_name[name].estimate) for name in names)
         rows.append(TableRow("effect", (Cell(measure.label, "label"), *cells)))
     columns = (Column(ALONE, "measure", is_text=True), *(Column(ALONE, name, is_figure=True) for name in names))
     return Table(title, columns, tuple(rows), " ".join((legend, letters.error, BOTH_LEGEND, _twins(letters))).strip())
@@ -108,14 +108,6 @@ def _twins(letters: Letters) -> str:
     if all(count == len(EVERY) // 2 for count in counts.values()):
         return ""
     return f"Twins: {', '.join(f'{name} {count}' for name, count in counts.items())} of 8."
-
-
-def _cell(effect: Effect) -> Cell:
-    if effect.estimate is None:
-        return Cell(NONE)
-    cell = estimate_cell(effect.measure, effect.estimate)
-    interval = effect.measure.interval(effect.estimate)
-    return cell if interval == NONE or cell.look == "bad" else Cell(f"{cell.text} {interval}", cell.look)
 
 
 def _own_table(letters: Letters) -> Table:

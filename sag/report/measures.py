@@ -80,6 +80,7 @@ class Measure:
 
 
 MOTION_FID = Measure("Motion FID", "motion_fid/average", is_ratio=True)
+VELOCITY = Measure("velocity Fréchet", "velocity_frechet", is_ratio=True)
 NON_COLLISION = Measure("non-collision", "non_collision/average", "higher")
 AWARENESS = Measure("collisions, own / other scenes", "collisions/ratio")
 INSIDE = Measure("inside furniture", "penetration/share", unit="%", factor=100.0, digits=2)
@@ -90,7 +91,7 @@ PROBE = Measure("error of depth read off f", "depth_probe/rmse", unit="m", digit
 
 MEASURES = (
     MOTION_FID,
-    Measure("velocity Fréchet", "velocity_frechet", is_ratio=True),
+    VELOCITY,
     NON_COLLISION,
     AWARENESS,
     INSIDE,

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sag.report.columns import ALONE, Column, Group
+from sag.report.estimates import estimate_cell, written_p
 from sag.report.lines import Line
 from sag.report.measures import MOTION_FID, NON_COLLISION, Measure
 from sag.report.paper import PaperFigures
-from sag.report.statistics import Estimate, Paired, paired
-from sag.report.table import NONE, Cell, Look, Table, TableRow
+from sag.report.statistics import Paired, paired
+from sag.report.table import NONE, Cell, Table, TableRow
 
 NEIGHBOURS = (("none", "m"), ("m", "md"), ("md", "mdc"), ("md", "mdp"), ("mdc", "mdpc"), ("mdp", "mdpc"))
 """Pairs of rows of Table 1, without and with one component more."""
@@ -102,22 +102,3 @@ def _cells(step: Step | None) -> list[Cell]:
         Cell(written_p(difference.p_flip)),
         Cell(printed, "paper"),
     ]
-
-
-LOOKS: dict[str, Look] = {"better": "best", "worse": "worse", "": "plain"}
-
-
-def estimate_cell(measure: Measure, estimate: Estimate) -> Cell:
-    """A difference, marked where its interval points to one side."""
-    if math.isnan(estimate.value):
-        return Cell("NaN", "bad")
-    return Cell(measure.written(estimate.value), LOOKS[measure.verdict(estimate)])
-
-
-def written_p(p: float | None) -> str:
-    """A p-value with two digits that say something; a dash where there is none."""
-    if p is None or math.isnan(p):
-        return NONE
-    if p < 0.001:
-        return "<0.001"
-    return f"{p:.3f}" if p < 0.1 else f"{p:.2f}"

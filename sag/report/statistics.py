@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import stats
+from scipy import optimize, special, stats
 
 LEVEL = 0.95
 """How often an interval holds the true value, if the seeds are normal and independent."""
@@ -21,6 +21,9 @@ ROUNDING = 1e-12
 
 DRAWS = 10_000
 """Resamples of a bootstrap."""
+
+NODES = 100
+"""Points at which an integral is taken."""
 
 Numbers = Float[np.ndarray, "..."]
 
@@ -131,7 +134,67 @@ def contrasts(design: Numbers, values: Numbers, wanted: Numbers) -> Contrasts:
     variance = float(np.square(values - design @ coefficients).sum()) / freedom
     errors = np.sqrt(np.einsum("ij,jk,ik->i", wanted, inverse, wanted).clip(min=0) * variance)
     halves = (errors * stats.t.ppf((1 + LEVEL) / 2, freedom)).tolist()
-    return Contrasts(tuple(_estimate(e, half) for e, half in zip(estimates, halves)), freedom)
+    return Contrasts(tuple(Estimate(*_ends(e, half)) for e, half in zip(estimates, halves)), freedom)
+
+
+@dataclass(frozen=True)
+class Compared(Estimate):
+    """One of several groups against the same control.
+
+    Attributes:
+        p: two-sided, of Dunnett's test.
+        count: values of the group.
+        freedom: degrees of freedom of the error; at 0 there are no intervals.
+    """
+
+    p: float | None = None
+    count: int = 0
+    freedom: int = 0
+
+
+def against_control(groups: Sequence[Sequence[float]], control: Sequence[float]) -> list[Compared]:
+    """Means of groups less that of a control, with the simultaneous intervals of Dunnett's test (1955).
+
+    The error is the scatter within all groups; it is one variance. Without any group of two values, or where nothing
+    scatters, there are no intervals.
+
+    Args:
+        groups: at least one value in each.
+        control: at least one value.
+    """
+    means = [float(np.mean(values) - np.mean(control)) for values in groups]
+    squares = [float(np.square(np.asarray(values) - np.mean(values)).sum()) for values in (*groups, control)]
+    freedom = sum(len(values) - 1 for values in (*groups, control))
+    if freedom < 1 or not sum(squares):
+        return [Compared(mean, count=len(values)) for mean, values in zip(means, groups)]
+    counts = np.array([len(values) for values in groups])
+    errors = np.sqrt(sum(squares) / freedom * (1 / counts + 1 / len(control)))
+    loadings = np.sqrt(counts / (counts + len(control)))
+    critical = optimize.brentq(lambda t: _dunnett(t, loadings, freedom) - LEVEL, 0.0, 1000.0)
+    found = zip(means, errors.tolist(), counts.tolist())
+    return [
+        Compared(*_ends(mean, critical * error), _p(mean / error, loadings, freedom), count, freedom)
+        for mean, error, count in found
+    ]
+
+
+def _p(t: float, loadings: Numbers, freedom: int) -> float:
+    return round(1 - _dunnett(abs(t), loadings, freedom), 6)
+
+
+def _dunnett(t: float, loadings: Numbers, freedom: int) -> float:
+    """Probability that no t-value of groups without a difference from their control is farther from 0 than t.
+
+    Two of them have the product of their loadings as correlation, since they share the control, so that given its
+    mean z and the error's deviation s they are independent: both are integrated over.
+    """
+    z, weights = np.polynomial.hermite_e.hermegauss(NODES)
+    u, shares = np.polynomial.legendre.leggauss(NODES)
+    s = np.sqrt(stats.chi2.ppf((u + 1) / 2, freedom) / freedom)
+    middle, rest = loadings * z[:, None, None], np.sqrt(1 - loadings**2)
+    width = t * s[:, None]
+    within = special.ndtr((middle + width) / rest) - special.ndtr((middle - width) / rest)
+    return float(weights @ within.prod(-1) @ shares / weights.sum() / 2)
 
 
 def kendall(ours: Sequence[float], theirs: Sequence[float]) -> tuple[float, float]:
@@ -162,6 +225,8 @@ def bootstrap_kendalls(values: Numbers, theirs: Numbers, draws: int = DRAWS) -> 
     return kendalls(values[chosen].mean(1), theirs)
 
 
-def _estimate(value: float, half: float) -> Estimate:
-    """To nine digits: what is beyond is a machine's rounding, and would make other files of the same figures."""
-    return Estimate(*(float(f"{number:.9g}") for number in (value, value - half, value + half)))
+def _ends(value: float, half: float) -> tuple[float, float, float]:
+    """A value and its interval to nine digits: beyond is a machine's rounding, and would make other files of the same
+    figures."""
+    low, high = value - half, value + half
+    return float(f"{value:.9g}"), float(f"{low:.9g}"), float(f"{high:.9g}")

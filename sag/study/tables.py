@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from sag.report.columns import ALONE, Column, Group
+from sag.report.estimates import written_p
 from sag.report.lines import without_seed
-from sag.report.neighbours import written_p
 from sag.report.paper import TABLE_5, Opinion
 from sag.report.statistics import Paired
 from sag.report.table import NAME, NONE, Cell, Look, Table, TableRow

@@ -89,3 +89,15 @@ def test_scaled_motion_has_unit_deviation(toy, scale: MotionScale) -> None:
 def test_another_skeleton_has_its_own_shape() -> None:
     generator = build_generator(Components(), SMALL, PROX_16, MotionScale(16, PROX_16.root_index)).eval()
     assert generator.pose(torch.randn(1, generator.pose.blocks[0].conv.weight.shape[2], 6)).shape == (1, 64, 16, 3)
+
+
+def test_the_pose_can_be_given_velocities_in_place_of_places(batch: Batch, scale: MotionScale) -> None:
+    motions = {}
+    for sees in ("places", "velocities"):
+        torch.manual_seed(0)
+        network = Network(width=0.1, pose_sees=sees)
+        generator = build_generator(Components(), network, GTA_IM_19, scale)
+        motions[sees] = sampled(Sampler(build_encoder(network), generator, scale).eval(), batch)
+    places, velocities = motions.values()
+    assert torch.equal(places.trajectory, velocities.trajectory)
+    assert not torch.allclose(places.pose, velocities.pose, atol=1e-4)

@@ -11,9 +11,10 @@ from sag.letters import LETTERS, components_of
 from sag.report import main
 from sag.report.agreement import TITLE as AGREEMENT
 from sag.report.agreement import agreements_of
+from sag.report.estimates import written_p
 from sag.report.letters import MAIN_TITLE, OWN_TITLE
 from sag.report.lines import lines_of
-from sag.report.neighbours import NEIGHBOURS, steps_of, written_p
+from sag.report.neighbours import NEIGHBOURS, steps_of
 from sag.report.neighbours import TITLE as NEIGHBOURING
 from sag.report.paper import GTA_IM, PROX, TABLE_1_MOTION_FID
 from sag.report.results import read_results

@@ -12,6 +12,8 @@ from scipy import stats
 from sag.report.statistics import (
     FLIPPED_AT_MOST,
     Estimate,
+    _dunnett,
+    against_control,
     bootstrap_kendalls,
     contrasts,
     half_width,
@@ -140,3 +142,52 @@ def test_contrasts_are_the_same_on_machines_that_round_otherwise():
     rounded = values * (1 + 1e-14 * chance.normal(size=12))
     assert not np.array_equal(values, rounded)
     assert contrasts(design, values, wanted) == contrasts(design, rounded, wanted)
+
+
+def test_one_group_against_a_control_is_a_t_test_of_one_variance():
+    group, control = [3.0, 4.5, 5.0], [1.0, 2.0, 2.5, 1.5]
+    (found,) = against_control([group], control)
+    interval = stats.ttest_ind(group, control).confidence_interval(0.95)
+    assert (found.low, found.high) == pytest.approx((interval.low, interval.high), rel=1e-4)
+    assert found.p == pytest.approx(stats.ttest_ind(group, control).pvalue, abs=1e-5)
+    assert found.value == pytest.approx(np.mean(group) - np.mean(control))
+    assert (found.count, found.freedom) == (3, 5)
+
+
+@pytest.mark.parametrize(("groups", "freedom", "critical"), [(2, 10, 2.57), (3, 20, 2.54), (9, 60, 2.77)])
+def test_critical_values_are_those_of_dunnetts_table(groups, freedom, critical):
+    """Two-sided, 5 %, as many values in each group as in the control (Dunnett 1964)."""
+    assert _dunnett(critical, np.full(groups, math.sqrt(0.5)), freedom) == pytest.approx(0.95, abs=0.001)
+
+
+def test_p_values_are_scipys():
+    generator = np.random.default_rng(2)
+    control, *groups = generator.normal(size=(6, 4)).tolist()
+    theirs = stats.dunnett(*groups, control=control).pvalue
+    assert [found.p for found in against_control(groups, control)] == pytest.approx(theirs, abs=0.01)
+
+
+def test_more_groups_widen_every_interval_and_a_single_value_leans_on_the_others():
+    generator = np.random.default_rng(0)
+    control, *groups = generator.normal(size=(9, 3)).tolist()
+    few, many = against_control([*groups[:1], [0.0]], control), against_control([*groups, [0.0]], control)
+    assert many[-1].freedom == 18 and many[-1].count == 1
+    t = stats.t.ppf(0.975, 18) * math.sqrt(np.mean([np.var(g, ddof=1) for g in (control, *groups)]) * 2 / 3)
+    assert many[0].high - many[0].value > 1.2 * t
+    assert many[-1].high - many[-1].value > many[0].high - many[0].value
+    assert few[0].value == many[0].value
+
+
+def test_without_scatter_there_are_differences_and_no_intervals():
+    assert [found.low for found in against_control([[1.0], [2.0]], [3.0])] == [None, None]
+    (found,) = against_control([[1.0, 1.0]], [3.0, 3.0])
+    assert (found.value, found.low, found.freedom) == (-2.0, None, 0)
+
+
+def test_simultaneous_intervals_hold_all_truths_at_once():
+    generator = np.random.default_rng(1)
+    held = [
+        all(found.low <= 0 <= found.high for found in against_control(draw[1:].tolist(), draw[0].tolist()))
+        for draw in generator.normal(size=(100, 6, 3))
+    ]
+    assert 0.88 <= np.mean(held) <= 1
