@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sag.report.columns import ALONE, Column
 from sag.report.estimates import estimate_with_interval
-from sag.report.lines import Line
+from sag.report.lines import START, Line
 from sag.report.measures import (
     AWARENESS,
     DEPTH,
@@ -21,9 +21,6 @@ from sag.report.measures import (
 )
 from sag.report.statistics import Compared, against_control
 from sag.report.table import Cell, Table, TableRow
-
-START = "start"
-"""The row with which a sweep over settings begins; each of the others changes one thing of it."""
 
 TITLE = "Every row against start"
 

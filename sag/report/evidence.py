@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from sag.report.agreement import Agreement, agreement_table, agreements_of
-from sag.report.changes import START, Change, changes_of, changes_table
+from sag.report.changes import Change, changes_of, changes_table
 from sag.report.letters import Letters, letters_of, letters_tables
-from sag.report.lines import Line
+from sag.report.lines import START, Line
 from sag.report.neighbours import Step, neighbours_table, steps_of
 from sag.report.paper import PaperFigures
 from sag.report.table import Report, Table

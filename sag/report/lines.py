@@ -17,6 +17,9 @@ from sag.report.statistics import half_width
 Kind = Literal["without", "with", "blind", "method", "truth"]
 """What a row is: of the ablation without M or with it, blind to the scene, another method, ground truth; in order."""
 
+START = "start"
+"""The row with which a sweep over settings begins; each of the others changes one thing of it."""
+
 SEED = re.compile(r"-s\d+$")
 
 
@@ -142,11 +145,11 @@ def _line(name: str, sweep: str, results: Sequence[Result]) -> Line:
     return Line(name, components, tuple(results), figures, sweep)
 
 
-def _order(line: Line) -> tuple[int, int, int, str, str]:
-    """By kind; then by how many components are on, in the order of the letters."""
+def _order(line: Line) -> tuple[int, int, int, bool, str, str]:
+    """By kind; then by how many components are on, in the order of the letters; `start` before its changes."""
     on = [bool(line.in_ablation and line.components and line.components.get(name)) for name in LETTERS]
     rank = sum(2**place for place, is_on in enumerate(on) if is_on)
-    return (get_args(Kind).index(line.kind), sum(on), rank, line.name, line.sweep)
+    return (get_args(Kind).index(line.kind), sum(on), rank, line.name != START, line.name, line.sweep)
 
 
 def twin_ratios(lines: Sequence[Line], metric: str = "motion_fid/average") -> dict[str, float]:

@@ -143,7 +143,8 @@ def _legend(canvas: Any, lines: Sequence[Line], paper: PaperFigures) -> None:
     present = dict.fromkeys(line.kind for line in lines)
     marks = [Line2D([], [], marker="o", linestyle="", color=COLOURS[kind], label=NAMES[kind]) for kind in present]
     hollow: Any = {"markerfacecolor": "none", "markeredgecolor": INK}
-    marks.append(Line2D([], [], marker="D", linestyle="", label=f"printed in the paper ({paper.source})", **hollow))
+    if any(paper.cells(line.paper_row) for line in lines):
+        marks.append(Line2D([], [], marker="D", linestyle="", label=f"printed in the paper ({paper.source})", **hollow))
     canvas.legend(handles=marks, loc="outside lower center", ncols=len(marks), frameon=False)
 
 

@@ -37,6 +37,11 @@ def test_every_other_row_is_compared_with_the_start(settings):
     assert same.freedom == 6
 
 
+def test_the_start_stands_before_its_changes(settings):
+    names = [line.name for line in lines_of(read_results(settings.folder))]
+    assert names == ["start", "kernel_squared", "steps_3", "ground_truth"]
+
+
 def test_the_table_and_the_csv_say_the_same(settings):
     assert main([str(settings.folder)]) == 0
     text = (settings.folder / "table.md").read_text(encoding="utf-8").partition(f"## {TITLE}")[2]
