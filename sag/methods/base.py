@@ -74,6 +74,9 @@ class Method(pl.LightningModule):
         """Whether there is anything to sample from; methods that learn say when."""
         return True
 
+    def begin(self) -> None:
+        """Loads what its networks start from, where that is a file, before training starts."""
+
     def prepare(self, motion: Motion) -> None:
         """Takes what it needs from the true motion of the training split, before training starts."""
 
@@ -99,6 +102,7 @@ class Method(pl.LightningModule):
         if stage != "fit":
             return
         if self.pretrained is None:
+            self.begin()
             self.prepare(self.data.training_motion)
         else:
             self.load_state_dict(pretrained_state(self.pretrained, self.state_dict(), self.skeleton))

@@ -101,9 +101,12 @@ class Cao(Method):
         """Whether each of the three networks has taken a step."""
         return bool((self.stage_steps > 0).all())
 
-    def prepare(self, motion: Motion) -> None:
-        """Starts the scene encoder, says from what, and takes normalisation from the training split's motion."""
+    def begin(self) -> None:
+        """Loads what the scene encoder starts from, and says what that is."""
         self.print(f"the scene encoder starts from {self.encoder.begin()}")
+
+    def prepare(self, motion: Motion) -> None:
+        """Takes normalisation from the training split's motion."""
         self.scale.fit(motion)
 
     def _learning(self, stage: int) -> tuple[nn.Module, ...]:

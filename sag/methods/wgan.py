@@ -95,9 +95,12 @@ class WGAN(Method):
         """The critics that train now; all of them unless a method trains in stages."""
         return dict(self.critics.items())
 
-    def prepare(self, motion: Motion) -> None:
-        """Starts the scene encoder, says from what, and takes normalisation from the training split's motion."""
+    def begin(self) -> None:
+        """Loads what the scene encoder starts from, and says what that is."""
         self.print(f"the scene encoder starts from {self.sampler.encoder.begin()}")
+
+    def prepare(self, motion: Motion) -> None:
+        """Takes normalisation from the training split's motion."""
         self.sampler.scale.fit(motion)
 
     def configure_optimizers(self) -> tuple[torch.optim.Optimizer, torch.optim.Optimizer]:
