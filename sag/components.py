@@ -31,7 +31,6 @@ from sag.models.critics import (
     ProjectionCritic,
     TrajectoryCritic,
 )
-from sag.models.encoder_start import EncoderStart
 from sag.models.finishing import Bones, FinishedGenerator, KeptBones, Smooth
 from sag.models.generators import (
     GeneratorSizes,
@@ -44,7 +43,7 @@ from sag.models.graph import Norm
 from sag.models.noise import Kernel
 from sag.models.scale import MotionScale, Units
 from sag.models.scene_depth import ContextDepth, SceneDepth, SupervisedDepth
-from sag.models.scene_encoder import BlindEncoder, DepthDecoder, FeatureNorm, SceneEncoder
+from sag.models.scene_encoder import BlindEncoder, DepthDecoder, EncoderStart, FeatureNorm, SceneEncoder
 from sag.skeleton import Skeleton
 from sag.types import FRAMES
 

@@ -12,6 +12,7 @@ from torch import Generator, Tensor, nn
 from sag.components import Network, build_encoder
 from sag.geometry.camera import project
 from sag.methods.base import Method
+from sag.methods.encoder_start import start_encoder
 from sag.methods.stages import check_shares, stages_due
 from sag.methods.terms import record
 from sag.models.cao import path_net, pose_net
@@ -103,7 +104,7 @@ class Cao(Method):
 
     def begin(self) -> None:
         """Loads what the scene encoder starts from, and says what that is."""
-        self.print(f"the scene encoder starts from {self.encoder.begin()}")
+        self.print(f"the scene encoder starts from {start_encoder(self.encoder)}")
 
     def prepare(self, motion: Motion) -> None:
         """Takes normalisation from the training split's motion."""

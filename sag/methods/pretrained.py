@@ -38,7 +38,7 @@ def pretrained_state(path: Path, own: State, skeleton: Skeleton) -> dict[str, Te
     Raises:
         SagError: the file cannot be read, or holds another skeleton, other components or other sizes.
     """
-    checkpoint = _read(path)
+    checkpoint = read_checkpoint(OPTION, path)
     check_skeleton(f"{OPTION} {path}", checkpoint, skeleton)
     found = dict(checkpoint["state_dict"])
     averages = {name: found.get(f"{SAMPLER}{name.removeprefix(AVERAGED)}") for name in own if AVERAGED in name}
@@ -50,12 +50,21 @@ def pretrained_state(path: Path, own: State, skeleton: Skeleton) -> dict[str, Te
     return kept
 
 
-def _read(path: Path) -> Mapping[str, Any]:
+def read_checkpoint(option: str, path: Path) -> Mapping[str, Any]:
+    """What a checkpoint holds, its weights under `state_dict`.
+
+    Args:
+        option: that names it.
+        path: of the checkpoint.
+
+    Raises:
+        SagError: the file is missing, damaged or no checkpoint.
+    """
     if not path.is_file():
-        raise SagError(f"{OPTION} {path} is no file")
+        raise SagError(f"{option} {path} is no file")
     try:
         content = torch.load(read_sealed(path)[0], map_location="cpu", weights_only=True)
         return {**content, "state_dict": dict(content["state_dict"])}
     except Exception as error:  # a damaged checkpoint can raise anything
         reason = (str(error) or type(error).__name__).splitlines()[0]
-        raise SagError(f"{OPTION} {path} is damaged or no checkpoint of this program: {reason}") from error
+        raise SagError(f"{option} {path} is damaged or no checkpoint of this program: {reason}") from error

@@ -12,6 +12,7 @@ from torch import Generator, Tensor, nn
 
 from sag.losses import critic_loss, generator_loss, gradient_penalty
 from sag.methods.base import Method
+from sag.methods.encoder_start import start_encoder
 from sag.methods.terms import record
 from sag.models.critics import Critic
 from sag.models.sampler import Sampler
@@ -97,7 +98,7 @@ class WGAN(Method):
 
     def begin(self) -> None:
         """Loads what the scene encoder starts from, and says what that is."""
-        self.print(f"the scene encoder starts from {self.sampler.encoder.begin()}")
+        self.print(f"the scene encoder starts from {start_encoder(self.sampler.encoder)}")
 
     def prepare(self, motion: Motion) -> None:
         """Takes normalisation from the training split's motion."""

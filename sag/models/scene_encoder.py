@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import torch
@@ -9,12 +11,32 @@ import torch.nn.functional as F
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from sag.errors import SagError
 from sag.models.batch_norm import BatchNorm1d, BatchNorm2d
-from sag.models.encoder_start import EncoderStart
 from sag.models.resnet import ResNet18
 
 FeatureNorm = Literal["none", "batch"]
 """How f is brought to scale: left as the linear layer makes it, or every number to deviation 1 over a batch."""
+
+
+@dataclass(frozen=True)
+class EncoderStart:
+    """The file in which training starts, or none; nothing else needs it.
+
+    Attributes:
+        imagenet: torchvision's ImageNet weights of ResNet-18, as in the paper.
+        checkpoint: of a run of this program, whose scene encoder is taken.
+
+    Raises:
+        SagError: both are given.
+    """
+
+    imagenet: Path | None = None
+    checkpoint: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.imagenet is not None and self.checkpoint is not None:
+            raise SagError("network.imagenet and network.scene_encoder are both set; the scene encoder starts from one")
 
 
 class SceneEncoder(nn.Module):
@@ -26,7 +48,7 @@ class SceneEncoder(nn.Module):
         grid: cells (rows, columns) into which the last map is pooled before the linear layer; (1, 1) is
             ResNet's global average, finer ones keep where things are.
         norm: of f. Left alone, f grows in training until noise and initial pose beside it count for little.
-        start: what `begin` loads.
+        start: what it holds when training begins.
     """
 
     mean: Tensor
@@ -38,7 +60,7 @@ class SceneEncoder(nn.Module):
         width: int = 64,
         grid: tuple[int, int] = (1, 1),
         norm: FeatureNorm = "none",
-        start: EncoderStart = EncoderStart(),  # noqa: B008 (frozen)
+        start: EncoderStart = EncoderStart(),
     ) -> None:
         super().__init__()
         self.resnet = ResNet18(width)
@@ -47,10 +69,6 @@ class SceneEncoder(nn.Module):
         self.norm = BatchNorm1d(feature_channels, affine=False) if norm == "batch" else nn.Identity()
         self.register_buffer("mean", torch.tensor([0.485, 0.456, 0.406]).view(3, 1, 1), persistent=False)
         self.register_buffer("std", torch.tensor([0.229, 0.224, 0.225]).view(3, 1, 1), persistent=False)
-
-    def begin(self) -> str:
-        """Loads what it starts from, before training; says what that is."""
-        return self.start.load(self, self.resnet)
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
         """f of pictures with colours in [0, 1], in their precision, whatever the maps between had."""
@@ -71,10 +89,6 @@ class BlindEncoder(nn.Module):
     def __init__(self, feature_channels: int) -> None:
         super().__init__()
         self.feature_channels = feature_channels
-
-    def begin(self) -> str:
-        """Loads nothing, and says so."""
-        return "nothing: it does not look"
 
     def forward(self, image: Float[Tensor, "b 3 h w"]) -> Float[Tensor, "b f"]:
         """f of any pictures: zeros."""

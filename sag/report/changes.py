@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sag.report.columns import ALONE, Column
-from sag.report.estimates import estimate_with_interval
+from sag.report.estimates import estimate_with_interval, written_degrees
 from sag.report.lines import START, Line
 from sag.report.measures import (
     AWARENESS,
@@ -79,18 +79,14 @@ def _changes(lines: Sequence[Line], measure: Measure) -> list[Change]:
 
 def changes_table(changes: Sequence[Change]) -> Table | None:
     """A line for each row, a column for each measure; none without intervals."""
-    freedom = max((change.difference.freedom for change in changes), default=0)
-    if not freedom:
+    freedoms = [change.difference.freedom for change in changes if change.difference.freedom]
+    if not freedoms:
         return None
     by_name = {(change.row, change.measure): change.difference for change in changes}
     measures = list(dict.fromkeys(change.measure for change in changes))
-    rows = [
-        TableRow("change", (Cell(name.replace("_", " "), "label"), *(_cell(by_name, name, m) for m in measures)))
-        for name in dict.fromkeys(change.row for change in changes)
-    ]
+    rows = []
+    for name in dict.fromkeys(change.row for change in changes):
+        cells = (estimate_with_interval(measure, by_name.get((name, measure))) for measure in measures)
+        rows.append(TableRow("change", (Cell(name.replace("_", " "), "label"), *cells)))
     columns = (Column(ALONE, "row"), *(Column(ALONE, measure.label) for measure in measures))
-    return Table(TITLE, columns, tuple(rows), LEGEND.format(freedom=freedom))
-
-
-def _cell(changes: dict[tuple[str, Measure], Compared], name: str, measure: Measure) -> Cell:
-    return estimate_with_interval(measure, changes.get((name, measure)))
+    return Table(TITLE, columns, tuple(rows), LEGEND.format(freedom=written_degrees(freedoms)))

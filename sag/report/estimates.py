@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from sag.report.measures import Measure
 from sag.report.statistics import Estimate
@@ -24,6 +25,12 @@ def estimate_with_interval(measure: Measure, estimate: Estimate | None) -> Cell:
         return Cell(NONE)
     cell, interval = estimate_cell(measure, estimate), measure.interval(estimate)
     return cell if interval == NONE or cell.look == "bad" else Cell(f"{cell.text} {interval}", cell.look)
+
+
+def written_degrees(freedoms: Iterable[int]) -> str:
+    """Degrees of freedom of several errors, or from which to which."""
+    least, most = min(found := list(freedoms)), max(found)
+    return f"{least}" if least == most else f"{least} to {most}"
 
 
 def written_p(p: float | None) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sag.letters import LETTERS
 from sag.report.columns import ALONE, ARROWS, Column
 from sag.report.effects import EVERY, Effect, effects_of
-from sag.report.estimates import estimate_cell, estimate_with_interval
+from sag.report.estimates import estimate_cell, estimate_with_interval, written_degrees
 from sag.report.lines import Line
 from sag.report.measures import MEASURES, OWN, Measure
 from sag.report.table import NONE, Cell, Look, Table, TableRow
@@ -53,8 +53,7 @@ class Letters:
     def error(self) -> str:
         """Where the intervals come from, in a sentence."""
         shown = [effect for effects in self.effects.values() for effect in effects if effect.source]
-        freedoms = sorted({effect.freedom for effect in shown})
-        degrees = f"{freedoms[0]}" if len(freedoms) == 1 else f"{freedoms[0]} to {freedoms[-1]}"
+        degrees = written_degrees(effect.freedom for effect in shown)
         if any(effect.source == "interactions" for effect in shown):
             return (
                 f"One seed: the error is taken from three- and four-way interactions ({degrees} degrees of freedom), "

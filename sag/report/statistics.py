@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -188,13 +189,18 @@ def _dunnett(t: float, loadings: Numbers, freedom: int) -> float:
     Two of them have the product of their loadings as correlation, since they share the control, so that given its
     mean z and the error's deviation s they are independent: both are integrated over.
     """
-    z, weights = np.polynomial.hermite_e.hermegauss(NODES)
-    u, shares = np.polynomial.legendre.leggauss(NODES)
+    (z, weights), (u, shares) = _nodes()
     s = np.sqrt(stats.chi2.ppf((u + 1) / 2, freedom) / freedom)
     middle, rest = loadings * z[:, None, None], np.sqrt(1 - loadings**2)
     width = t * s[:, None]
     within = special.ndtr((middle + width) / rest) - special.ndtr((middle - width) / rest)
     return float(weights @ within.prod(-1) @ shares / weights.sum() / 2)
+
+
+@cache
+def _nodes() -> tuple[tuple[Numbers, Numbers], tuple[Numbers, Numbers]]:
+    """Points and weights of an integral over a normal variable, and of one from -1 to 1."""
+    return np.polynomial.hermite_e.hermegauss(NODES), np.polynomial.legendre.leggauss(NODES)
 
 
 def kendall(ours: Sequence[float], theirs: Sequence[float]) -> tuple[float, float]:

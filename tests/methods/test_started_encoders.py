@@ -43,8 +43,8 @@ def test_every_method_can_start_in_it(kind, find, toy, before, capsys) -> None:
 
 
 def test_the_average_starts_in_it_too(toy, before) -> None:
-    made = SAG(network=Network(width=SMALL.width, scene_encoder=before), image_size=toy.image_size, average=0.999)
-    made.recipe = made.recipe.__class__(0.0)
+    network = Network(width=SMALL.width, scene_encoder=before)
+    made = SAG(network=network, image_size=toy.image_size, average=0.999, learning_rate=0.0)
     trainer(toy.cache_dir).fit(made, toy)
     weight = torch.load(before, weights_only=True)["state_dict"]["averaged.0.module.encoder.resnet.conv1.weight"]
     assert torch.equal(made.sampler.encoder.resnet.conv1.weight, weight)
