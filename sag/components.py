@@ -111,6 +111,12 @@ class Network:
     pose_sees: PoseSees = "places"
     blind: bool = False
 
+    def __post_init__(self) -> None:
+        """Takes the word that the option parser makes of `null` on a command line for what it means."""
+        for start in ("imagenet", "scene_encoder"):
+            if getattr(self, start) == Path("None"):
+                object.__setattr__(self, start, None)
+
     def channels(self, *counts: int) -> tuple[int, ...]:
         """Channels at this width, at least 16 of each."""
         return tuple(max(min(16, n), round(n * self.width)) for n in counts)
