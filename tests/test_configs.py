@@ -41,7 +41,7 @@ def command(stage: str, name: str, folder: Path, cache: Path) -> list[str]:
     tiny.write_text(text.replace("CACHE", str(cache)).replace("RUN", str(folder)))
     configs = [CONFIGS / "base.yaml", CONFIGS / name, tiny]
     options = ["--encoder_width", "0.05"]
-    if "scene_encoder:" in (CONFIGS / name).read_text():
+    if stage == "fit" and "scene_encoder:" in (CONFIGS / name).read_text():
         options += ["--model.init_args.network.scene_encoder", "null"]  # another run's, with other sizes
     return [stage, *(part for path in configs for part in ("--config", str(path))), *options]
 
